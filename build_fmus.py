@@ -1,0 +1,325 @@
+"""Build the parts of `fmus/` into FMUs.
+
+    python build_fmus.py                                  every part, if it has changed
+    python build_fmus.py linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
+
+Each FMU carries its own copy of the sources it needs as a package named after the FMU and
+the digest of those sources, so that two builds of one part can live in one process. The
+same digest is the GUID: the same sources give the same GUID, on any machine.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import importlib
+import importlib.util
+import json
+import shutil
+import sys
+import tempfile
+import uuid
+import zipfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+HERE = Path(__file__).resolve().parent
+SOURCES = HERE / "fmus"
+OUTPUT = Path("build") / "fmus"
+EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+class BuildError(Exception):
+    """What keeps an FMU from being built: names the part or parameter, and the way out."""
+
+
+@dataclass(frozen=True)
+class Built:
+    """One FMU on disk."""
+
+    name: str
+    path: Path
+    variables: int
+    size: int
+    guid: str
+    fresh: bool
+
+
+def part_names() -> list[str]:
+    """Parts that can be built: the folders of `fmus/` that have a slave."""
+    return sorted(path.parent.name for path in SOURCES.glob("*/slave.py"))
+
+
+def nearest(word: str, words: Iterable[str]) -> str:
+    """`; did you mean X?`, or the list of what there is."""
+    choices = sorted(words)
+    close = difflib.get_close_matches(word, choices, n=1)
+    return f"did you mean {close[0]!r}?" if close else f"there is {', '.join(choices)}"
+
+
+def load_part(name: str) -> Any:
+    """The `PART` of a folder; `BuildError` if there is no such part."""
+    names = part_names()
+    if name not in names:
+        raise BuildError(f"no part {name!r}; {nearest(name, names)}")
+    return importlib.import_module(f"fmus.{name}.slave").PART
+
+
+def changed_starts(part: Any, changes: dict[str, str]) -> dict[str, float]:
+    """Start values in SI from texts such as `1.9 mm` or `square`, by variable name."""
+    settable = {v.name: v for v in part.variables if v.causality == "parameter"}
+    values: dict[str, float] = {}
+    for name, text in changes.items():
+        if name not in settable:
+            raise BuildError(f"no parameter {name!r} in {part.name}; {nearest(name, settable)}")
+        values[name] = _value(part.name, settable[name], text)
+    return values
+
+
+def _value(part: str, variable: Any, text: str) -> float:
+    """One start value; `BuildError` where its text, unit or size does not fit."""
+    quantity = variable.quantity
+    where = f"{part}.{variable.name} = {text!r}"
+    if quantity.choices:
+        if text not in quantity.choices:
+            raise BuildError(f"{where}: not a choice; {nearest(text, quantity.choices)}")
+        return float(quantity.choices.index(text) + 1)
+    from orchestrator.units import UnitError, si_value
+
+    try:
+        value = si_value(text, quantity.unit)
+    except UnitError as error:
+        raise BuildError(f"{where}: {error}") from None
+    low, high = quantity.least, quantity.most
+    if (low is not None and value < low) or (high is not None and value > high):
+        raise BuildError(f"{where}: outside {low} to {high} {quantity.unit}")
+    return value
+
+
+def source_files(part: Any) -> dict[str, bytes]:
+    """Path inside the FMU's package -> text, for all that the part is made of."""
+    folders = [SOURCES, SOURCES / part.name, *(SOURCES / name for name in part.includes)]
+    files: dict[str, bytes] = {}
+    for folder in folders:
+        for path in sorted(folder.iterdir()):
+            if path.suffix in {".py", ".json", ".toml"} and path.is_file():
+                files[path.relative_to(SOURCES).as_posix()] = path.read_bytes()
+    return files
+
+
+def digest_of(name: str, files: dict[str, bytes], starts: dict[str, float]) -> str:
+    """SHA-256 over name, sources, changed starts and the exporter's version."""
+    from importlib.metadata import version
+
+    digest = hashlib.sha256()
+    head = [name, version("pythonfmu"), sorted(starts.items())]
+    digest.update(json.dumps(head).encode())
+    for path, text in sorted(files.items()):
+        digest.update(path.encode() + b"\0" + text + b"\0")
+    return digest.hexdigest()
+
+
+def build(
+    name: str,
+    *,
+    alias: str | None = None,
+    changes: dict[str, str] | None = None,
+    into: Path = OUTPUT,
+    force: bool = False,
+) -> Built:
+    """Build one part, or reuse the file that stands for the same sources.
+
+    `alias` names the FMU, `changes` gives start values as texts with units. The file
+    appears whole or not at all, and only if fmpy finds nothing to complain about.
+    """
+    part = load_part(name)
+    title = alias or name
+    if not title.isidentifier():
+        raise BuildError(f"{title!r} cannot name an FMU: use letters, digits and underscores")
+    starts = changed_starts(part, changes or {})
+    files = source_files(part)
+    digest = digest_of(title, files, starts)
+    guid = str(uuid.UUID(digest[:32]))
+    target = into / f"{title}.fmu"
+    if not force and _guid_in(target) == guid:
+        return _described(title, target, guid, fresh=False)
+    into.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="resilin_build_") as folder:
+        staged = _stage(Path(folder), title, part, files, starts, digest, guid)
+        raw = _export(staged, Path(folder) / "raw")
+        sealed = Path(folder) / f"{title}.fmu"
+        _seal(raw, sealed)
+        problems = _problems(sealed)
+        if problems:
+            raise BuildError(f"{title}: {problems[0]}")
+        partial = into / f".{title}.fmu.part"
+        shutil.copyfile(sealed, partial)
+        partial.replace(target)
+    return _described(title, target, guid, fresh=True)
+
+
+def _stage(
+    folder: Path,
+    title: str,
+    part: Any,
+    files: dict[str, bytes],
+    starts: dict[str, float],
+    digest: str,
+    guid: str,
+) -> Path:
+    """Write the package and the entry script; return the script.
+
+    The exporter drops one reference too many to the script's namespace, so the script
+    pins itself; and it must not define the class, which lives in the package.
+    """
+    from fmus import __version__
+
+    package = f"{title}_{digest[:8]}"
+    for path, text in files.items():
+        target = folder / package / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(text)
+    slave = importlib.import_module(f"fmus.{part.name}.slave")
+    base = next(key for key, value in vars(slave).items() if getattr(value, "part", None) is part)
+    entry = (
+        '"""The class behind this FMU."""\n\n'
+        f"from .{part.name}.slave import {base}\n\n\n"
+        f"class {title}({base}):\n"
+        f'    """{part.description}."""\n\n'
+        f"    digest = {guid!r}\n"
+        f"    release = {__version__!r}\n"
+        f"    changes = {starts!r}\n"
+    )
+    (folder / package / "entry.py").write_text(entry, encoding="utf-8")
+    script = folder / f"{package}_script.py"
+    script.write_text(
+        f"from {package}.entry import {title}\n"
+        'globals().setdefault("_pins", []).append(globals())\n',
+        encoding="utf-8",
+    )
+    return script
+
+
+def _export(script: Path, into: Path) -> Path:
+    """Run the exporter on a staged script and undo what it does to `sys.path`."""
+    from pythonfmu import FmuBuilder
+
+    package = script.with_name(script.stem.removesuffix("_script"))
+    before = list(sys.path)
+    sys.path.insert(0, str(script.parent))
+    cached, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    try:
+        return Path(FmuBuilder.build_FMU(script, dest=into, project_files={package}))
+    finally:
+        sys.path[:] = before
+        sys.dont_write_bytecode = cached
+        for module in [m for m in sys.modules if m.split(".")[0].startswith(package.name)]:
+            del sys.modules[module]
+
+
+def _seal(raw: Path, sealed: Path) -> None:
+    """Copy an archive with sorted entries, fixed dates and compression."""
+    with (
+        zipfile.ZipFile(raw) as source,
+        zipfile.ZipFile(sealed, "w", zipfile.ZIP_DEFLATED) as target,
+    ):
+        for name in sorted(source.namelist()):
+            info = zipfile.ZipInfo(name, EPOCH)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o644 << 16
+            text = source.read(name)
+            if name == "modelDescription.xml":
+                text = b"\n".join(line for line in text.splitlines() if line.strip()) + b"\n"
+            target.writestr(info, text)
+
+
+def _problems(path: Path) -> list[str]:
+    """What fmpy's validation finds."""
+    from fmpy.validation import validate_fmu
+
+    return [str(problem) for problem in validate_fmu(str(path))]
+
+
+def _guid_in(path: Path) -> str:
+    """GUID of a built file; empty where there is none to read."""
+    from xml.etree import ElementTree
+
+    try:
+        with zipfile.ZipFile(path) as archive:
+            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError):
+        return ""
+    return root.get("guid", "")
+
+
+def _described(name: str, path: Path, guid: str, *, fresh: bool) -> Built:
+    """Entry of the table for a file on disk."""
+    from xml.etree import ElementTree
+
+    with zipfile.ZipFile(path) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    variables = len(root.findall("ModelVariables/ScalarVariable"))
+    return Built(name, path, variables, path.stat().st_size, guid, fresh)
+
+
+def _assignments(texts: list[str], parts: list[str]) -> dict[str, dict[str, str]]:
+    """`part.parameter=value` texts, by part."""
+    changes: dict[str, dict[str, str]] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        part, dot, parameter = name.strip().partition(".")
+        if not (equals and dot):
+            raise BuildError(f"--set {text!r}: write part.parameter=value")
+        if part not in parts:
+            raise BuildError(f"--set {text!r}: no part {part!r} here; {nearest(part, parts)}")
+        changes.setdefault(part, {})[parameter] = value.strip()
+    return changes
+
+
+def build_command(
+    parts: Annotated[list[str] | None, typer.Argument(help="Parts to build; all if none.")] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", help='Start value, as linkage.stop_travel="1.9 mm".'),
+    ] = None,
+    alias: Annotated[
+        str | None, typer.Option("--as", help="Name of the FMU; needs exactly one part.")
+    ] = None,
+    into: Annotated[Path, typer.Option(help="Folder for the FMUs.")] = OUTPUT,
+    force: Annotated[bool, typer.Option("--force", help="Build even what is unchanged.")] = False,
+) -> None:
+    """Build parts into FMUs; what is unchanged is left as it is.
+
+    Example: build linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    try:
+        wanted = list(parts or part_names())
+        changes = _assignments(set_ or [], wanted)
+        if alias and len(wanted) != 1:
+            raise BuildError("--as names one FMU: give exactly one part")
+        if changes and not alias:
+            raise BuildError("--set makes a variant: name it with --as")
+        done = [
+            build(name, alias=alias, changes=changes.get(name), into=into, force=force)
+            for name in wanted
+        ]
+    except (BuildError, OSError) as error:
+        typer.echo(f"build: {error}", err=True)
+        raise typer.Exit(2) from None
+    table = Table("part", "variables", "size", "digest", "")
+    for fmu in done:
+        state = "built" if fmu.fresh else "unchanged"
+        kilobytes = f"{fmu.size / 1024:.0f} KiB"
+        table.add_row(fmu.name, str(fmu.variables), kilobytes, fmu.guid[:8], state)
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    typer.run(build_command)

@@ -1,0 +1,1 @@
+"""Quasi-steady aerodynamic load of the wing pair."""

@@ -1,0 +1,1 @@
+"""Function generator, high-voltage amplifier and RC electrodes, two channels."""

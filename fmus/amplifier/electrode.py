@@ -1,0 +1,177 @@
+"""One RC electrode pair behind the amplifier: charge is the state, energy is kept account of.
+
+R q' = V_a(t) - V(q, t), V = V_r + (q - Q - i_m (t - t_r))/C, the charge law of the membrane
+or spring. Charge is what is integrated, so none is lost when the law is renewed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from .relaxation import relaxed, segment
+
+IDEAL = 1.0e-3
+"""Resistance [Ohm] at and below which an electrode is ideal; the energy of a jump stays exact."""
+
+SMOOTH = 0.05
+"""Span over time constant below which the exchange is a smooth integrand."""
+
+NODE = 0.7745966692414834
+"""Outer node of the three-point Gauss rule, sqrt(3/5)."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """Charge law Q + C (V - V_r) + i_m s, with s the time since it held."""
+
+    charge: float
+    capacitance: float
+    motional_current: float
+    reference_voltage: float
+
+
+@dataclass(frozen=True)
+class Electrode:
+    """Charge [C], current at the end and largest [A], integral of V^2 [V2 s], energies [J]."""
+
+    charge: float
+    current: float
+    peak_current: float
+    square: float
+    supplied: float
+    loss: float
+
+
+def voltage(law: Law, charge: float, s: float) -> float:
+    """Voltage [V] at a charge, `s` [s] after the law held."""
+    excess = charge - law.charge - law.motional_current * s
+    return law.reference_voltage + excess / law.capacitance
+
+
+def charged(
+    e: Electrode,
+    law: Law,
+    since: float,
+    resistance: float,
+    limit: float,
+    v0: float,
+    v1: float,
+    v2: float,
+    span: float,
+) -> Electrode:
+    """Electrode after `span` [s] behind an amplifier at v0 + v1 t + v2 t^2 [V].
+
+    The law held `since` [s] before the start of the span. `limit` bounds the current [A].
+    Solved exactly stretch by stretch: free relaxation towards the charge at which V equals
+    the amplifier's voltage, or constant current.
+    """
+    r = max(resistance, IDEAL)
+    lag = r * law.capacitance
+    left = span
+    while left > 0.0:
+        g0 = (
+            law.charge
+            + law.capacitance * (v0 - law.reference_voltage)
+            + law.motional_current * since
+        )
+        g1 = law.capacitance * v1 + law.motional_current
+        g2 = law.capacitance * v2
+        duration, mode = segment(e.charge, g0, g1, g2, lag, limit, left)
+        if mode == 0.0:
+            e = free(e, law, since, r, g0, g1, g2, lag, duration)
+        else:
+            e = driven(e, law, since, r, mode * limit, duration)
+        since = since + duration
+        v0 = v0 + (v1 + v2 * duration) * duration
+        v1 = v1 + 2.0 * v2 * duration
+        left = left - max(duration, 1.0e-6 * span)
+    return e
+
+
+def driven(
+    e: Electrode, law: Law, since: float, resistance: float, current: float, s: float
+) -> Electrode:
+    """Stretch of `s` at constant current: V is linear in time."""
+    charge = e.charge + current * s
+    first = voltage(law, e.charge, since)
+    last = voltage(law, charge, since + s)
+    loss = resistance * current * current * s
+    return Electrode(
+        charge=charge,
+        current=current,
+        peak_current=max(e.peak_current, math.fabs(current)),
+        square=e.square + (first * first + first * last + last * last) * s / 3.0,
+        supplied=e.supplied + 0.5 * (first + last) * current * s + loss,
+        loss=e.loss + loss,
+    )
+
+
+def free(
+    e: Electrode,
+    law: Law,
+    since: float,
+    resistance: float,
+    g0: float,
+    g1: float,
+    g2: float,
+    lag: float,
+    s: float,
+) -> Electrode:
+    """Stretch of `s` of free relaxation towards the charge g0 + g1 t + g2 t^2.
+
+    The integrals of V^2, V i and i^2 come from a Gauss rule where the relaxation is smooth
+    over the stretch; else q = parabola + A exp(-t/lag) and the products with the
+    exponential are integrated in closed form.
+    """
+    charge = relaxed(e.charge, g0, g1, g2, lag, s)
+    first = (g0 - e.charge) / lag
+    last = (g0 + (g1 + g2 * s) * s - charge) / lag
+    curve = 0.0
+    faded = 0.0
+    if s > SMOOTH * lag:
+        curve = e.charge - (g0 - lag * g1 + 2.0 * lag * lag * g2)
+        faded = math.exp(-s / lag)
+        last = g1 + 2.0 * g2 * (s - lag) - curve * faded / lag
+    square = 0.0
+    work = 0.0
+    heat = 0.0
+    for i in range(3):
+        node = 0.5 * s * (1.0 + NODE * float(i - 1))
+        weight = 5.0 / 18.0 * s
+        if i == 1:
+            weight = 8.0 / 18.0 * s
+        if s > SMOOTH * lag:
+            held = g0 + (g1 + g2 * node) * node - lag * (g1 + 2.0 * g2 * (node - lag))
+            flow = g1 + 2.0 * g2 * (node - lag)
+        else:
+            held = relaxed(e.charge, g0, g1, g2, lag, node)
+            flow = (g0 + (g1 + g2 * node) * node - held) / lag
+        v = voltage(law, held, since + node)
+        square = square + weight * v * v
+        work = work + weight * v * flow
+        heat = heat + weight * flow * flow
+    if s > SMOOTH * lag:
+        m0 = lag * (1.0 - faded)
+        m1 = lag * (m0 - s * faded)
+        m2 = lag * (2.0 * m1 - s * s * faded)
+        double = 0.5 * lag * (1.0 - faded * faded)
+        rise = curve / law.capacitance
+        drain = -curve / lag
+        p0 = voltage(law, g0 - lag * g1 + 2.0 * lag * lag * g2, since)
+        p1 = (g1 - 2.0 * lag * g2 - law.motional_current) / law.capacitance
+        p2 = g2 / law.capacitance
+        i0 = g1 - 2.0 * lag * g2
+        i1 = 2.0 * g2
+        product = p0 * m0 + p1 * m1 + p2 * m2
+        square = square + 2.0 * rise * product + rise * rise * double
+        work = work + drain * product + rise * (i0 * m0 + i1 * m1) + rise * drain * double
+        heat = heat + 2.0 * drain * (i0 * m0 + i1 * m1) + drain * drain * double
+    return Electrode(
+        charge=charge,
+        current=last,
+        peak_current=max(e.peak_current, max(math.fabs(first), math.fabs(last))),
+        square=e.square + square,
+        supplied=e.supplied + work + resistance * heat,
+        loss=e.loss + resistance * heat,
+    )

@@ -1,0 +1,136 @@
+"""The modelDescription of a part: FMI 2.0 co-simulation XML with units, bounds and structure."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, SubElement
+
+from .part import Part, Variable
+from .units import exponents
+
+CAPABILITIES = {
+    "needsExecutionTool": "true",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+}
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "What the part reports and survives.",
+    "logStatusError": "What made a call fail: component, time and cause.",
+}
+
+
+def model_description(
+    part: Part, identifier: str, guid: str, version: str, variables: list[Variable]
+) -> Element:
+    """XML tree of `part`, exported under the class name `identifier`.
+
+    `variables` are the part's, with the start values of this build.
+    Every variable has a unit and a description. Outputs are `calculated`, carry no start
+    value, name the inputs they follow directly, and stand in InitialUnknowns too. The
+    annotation of a port's member holds its order in the law (0 value, 1 affine,
+    2 curvature), so that a master can choose how much of a port it connects.
+    """
+    root = Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=identifier,
+        guid=guid,
+        description=part.description,
+        version=version,
+        license="MIT",
+        generationTool="Resilin with PythonFMU",
+        variableNamingConvention="structured",
+    )
+    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **CAPABILITIES})
+    _unit_definitions(root, variables)
+    _type_definitions(root, part, variables)
+    categories = SubElement(root, "LogCategories")
+    for name, meaning in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=meaning)
+    SubElement(root, "DefaultExperiment", startTime="0.0", stepSize=repr(part.step))
+    listed = SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(variables):
+        listed.append(_scalar(part, reference, variable))
+    _structure(root, part, variables)
+    return root
+
+
+def _unit_definitions(root: Element, variables: list[Variable]) -> None:
+    """Add each unit that occurs, once, with its base-unit exponents."""
+    definitions = SubElement(root, "UnitDefinitions")
+    for name in sorted({variable.quantity.unit for variable in variables}):
+        unit = SubElement(definitions, "Unit", name=name)
+        powers = {base: str(power) for base, power in exponents(name).items()}
+        SubElement(unit, "BaseUnit", powers)
+
+
+def _type_definitions(root: Element, part: Part, variables: list[Variable]) -> None:
+    """Add one simple type per enumeration; nothing where the part has none."""
+    choosing = [variable for variable in variables if variable.kind == "Enumeration"]
+    if not choosing:
+        return
+    definitions = SubElement(root, "TypeDefinitions")
+    for variable in choosing:
+        simple = SubElement(definitions, "SimpleType", name=_type_name(part, variable))
+        items = SubElement(simple, "Enumeration")
+        for value, choice in enumerate(variable.quantity.choices, start=1):
+            SubElement(items, "Item", name=choice, value=str(value))
+
+
+def _type_name(part: Part, variable: Variable) -> str:
+    return f"{part.name}.{variable.name}"
+
+
+def _scalar(part: Part, reference: int, variable: Variable) -> Element:
+    """One ScalarVariable with type, bounds and, in a port, its order in the law."""
+    quantity = variable.quantity
+    scalar = Element(
+        "ScalarVariable",
+        name=variable.name,
+        valueReference=str(reference),
+        description=quantity.meaning,
+        causality=variable.causality,
+        variability="fixed" if variable.causality == "parameter" else "continuous",
+        initial="calculated" if variable.causality == "output" else "exact",
+    )
+    if variable.causality == "input":
+        del scalar.attrib["initial"]
+    typed = SubElement(scalar, variable.kind)
+    if variable.kind == "Enumeration":
+        typed.set("declaredType", _type_name(part, variable))
+    else:
+        typed.set("unit", quantity.unit)
+        if quantity.least is not None:
+            typed.set("min", repr(quantity.least))
+        if quantity.most is not None:
+            typed.set("max", repr(quantity.most))
+    if variable.causality != "output":
+        exact = variable.kind == "Real"
+        typed.set("start", repr(variable.start) if exact else str(int(variable.start)))
+    if quantity.port:
+        annotations = SubElement(scalar, "Annotations")
+        tool = SubElement(annotations, "Tool", name="resilin")
+        SubElement(tool, "Port", name=quantity.port, order=str(quantity.order))
+    return scalar
+
+
+def _structure(root: Element, part: Part, variables: list[Variable]) -> None:
+    """Add Outputs and InitialUnknowns with their dependencies.
+
+    At initialisation every output may follow every input and parameter, since the initial
+    state does; that is FMI's default where `dependencies` is left out.
+    """
+    place = {variable.name: str(index) for index, variable in enumerate(variables, start=1)}
+    structure = SubElement(root, "ModelStructure")
+    outputs = SubElement(structure, "Outputs")
+    unknowns = SubElement(structure, "InitialUnknowns")
+    for variable in variables:
+        if variable.causality != "output":
+            continue
+        known = [place[source.name] for source in part.dependencies(variable)]
+        SubElement(outputs, "Unknown", index=place[variable.name], dependencies=" ".join(known))
+        SubElement(unknowns, "Unknown", index=place[variable.name])

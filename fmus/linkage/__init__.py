@@ -1,0 +1,1 @@
+"""Slider-crank, double rocker and wing inertia."""

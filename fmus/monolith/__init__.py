@@ -1,0 +1,1 @@
+"""The same parts composed as one ordinary differential equation: the reference."""

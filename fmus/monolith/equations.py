@@ -1,0 +1,150 @@
+"""Right-hand side of the whole vehicle, made of the parts' own force and loss functions.
+
+No laws, no held values, no communication points: charge, motion and energies of all parts in
+one vector, each derivative from all others at the same instant.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ..aero import physics as aero
+from ..amplifier import physics as amplifier
+from ..linkage import physics as linkage
+from ..linkage.kinematics import Range, flap
+from ..payload import physics as payload
+from ..quantity import UNLIMITED
+from ..spring import physics as spring
+
+FIELDS = (
+    "top_drive",
+    "bottom_drive",
+    "top_charge",
+    "bottom_charge",
+    "displacement",
+    "velocity",
+    "top_supplied",
+    "top_loss",
+    "bottom_supplied",
+    "bottom_loss",
+    "spring_loss",
+    "force_work",
+    "viscous_loss",
+    "friction_loss",
+    "stop_loss",
+    "load_work",
+)
+"""Names of the entries of the state vector, in order."""
+
+SCALES = (1e3, 1e3, 1e-6, 1e-6, 1e-3, 1e-1, *(1e-2,) * 10)
+"""Sizes of the entries in use [SI], for absolute tolerances."""
+
+IDEAL_RESISTANCE = 1.0e-3
+
+
+@dataclass(frozen=True)
+class Composition:
+    """Which parts there are, and their parameters; `None` for a part left out."""
+
+    amplifier: amplifier.Params
+    spring: spring.Params
+    payload: payload.Params | None
+    linkage: linkage.Params | None
+    aero: aero.Params | None
+    travel: Range | None
+
+
+def voltages(c: Composition, y: Any) -> tuple[float, float]:
+    """Voltages of both electrodes [V] from their charges and the displacement."""
+    top = y[2] / spring.capacitance(c.spring, 1.0, y[4])
+    bottom = y[3] / spring.capacitance(c.spring, -1.0, y[4])
+    return float(top), float(bottom)
+
+
+def currents(c: Composition, y: Any, drives: tuple[float, float]) -> tuple[float, float]:
+    """Electrode currents [A] behind the amplifier's voltages, within its limits."""
+    p = c.amplifier
+    resistance = max(p.resistance, IDEAL_RESISTANCE)
+    flows = []
+    for drive, voltage in zip(drives, voltages(c, y), strict=True):
+        bound = amplifier.current_limit(p, voltage)
+        flows.append(max(-bound, min(bound, (drive - voltage) / resistance)))
+    return flows[0], flows[1]
+
+
+def right_hand_side(
+    c: Composition, u: amplifier.Input, inside: float
+) -> Callable[[float, Any], list[float]]:
+    """dy/dt over one smooth piece of the drive, of which `inside` is a time."""
+    p = c.amplifier
+    lagging = p.bandwidth < UNLIMITED or p.slew_rate < UNLIMITED
+    rate = 2.0 * math.pi * min(p.bandwidth, 1.0e9)
+
+    def derivative(t: float, y: Any) -> list[float]:
+        commands = (
+            amplifier.command(p, u, 1.0, t, inside),
+            amplifier.command(p, u, -1.0, t, inside),
+        )
+        drives = commands
+        slews = (0.0, 0.0)
+        if lagging:
+            drives = (float(y[0]), float(y[1]))
+            slews = (
+                max(-p.slew_rate, min(p.slew_rate, (commands[0] - drives[0]) * rate)),
+                max(-p.slew_rate, min(p.slew_rate, (commands[1] - drives[1]) * rate)),
+            )
+        top, bottom = voltages(c, y)
+        i_top, i_bottom = currents(c, y, drives)
+        resistance = max(p.resistance, IDEAL_RESISTANCE)
+        x, v = float(y[4]), float(y[5])
+        force = spring.passive_force(c.spring, x, v) + spring.force_per_square(c.spring) * (
+            top * top - bottom * bottom
+        )
+        motion = mechanics(c, x, v, force)
+        return [
+            slews[0],
+            slews[1],
+            i_top,
+            i_bottom,
+            v,
+            motion.acceleration,
+            top * i_top + resistance * i_top * i_top,
+            resistance * i_top * i_top,
+            bottom * i_bottom + resistance * i_bottom * i_bottom,
+            resistance * i_bottom * i_bottom,
+            spring.damping(c.spring) * v * v,
+            motion.force_power,
+            motion.viscous_power,
+            motion.friction_power,
+            motion.stop_power,
+            motion.load_power,
+        ]
+
+    return derivative
+
+
+def mechanics(c: Composition, x: float, v: float, force: float) -> linkage.Flow:
+    """Acceleration and powers of the mechanism, whichever there is, under a force [N]."""
+    if c.payload is not None:
+        return linkage.Flow(
+            acceleration=force / c.payload.mass - c.payload.gravity,
+            force_power=force * v,
+            viscous_power=0.0,
+            friction_power=0.0,
+            stop_power=0.0,
+            load_power=0.0,
+        )
+    if c.linkage is None or c.travel is None:
+        raise ValueError("the composition has no mechanism")
+    _, slope, bend = flap(linkage.geometry(c.linkage), c.travel, x)
+    torque = 0.0
+    air = 0.0
+    if c.aero is not None:
+        w = slope * v
+        drag, _ = aero.drag_law(c.aero, w)
+        torque = -drag * w * math.fabs(w)
+        air, _ = aero.inertia_law(c.aero, w)
+    return linkage.balance(c.linkage, x, v, slope, bend, force, torque, air)

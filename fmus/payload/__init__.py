@@ -1,0 +1,1 @@
+"""A mass on the spacer of the actuator."""

@@ -1,0 +1,1 @@
+"""Co-simulation of FMUs: scene to checked system to result."""

@@ -1,0 +1,147 @@
+"""The one way into an FMU file: checked before anything is written, counted while it is.
+
+Refused: entries that would leave the folder, links and devices, duplicates and case twins,
+names no file system should see, bombs by declared size, ratio or count, truncated, damaged
+and encrypted archives, and what is no archive at all.
+"""
+
+from __future__ import annotations
+
+import stat
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+
+from .errors import FmuError, printable
+
+MOST_BYTES = 512 * 1024 * 1024
+MOST_ENTRIES = 10_000
+MOST_RATIO = 200
+RATIO_COUNTS_FROM = 1024 * 1024
+LONGEST_NAME = 240
+LONGEST_PATH = 1000
+CHUNK = 1 << 20
+ENCRYPTED = 0x1
+DESCRIPTION = "modelDescription.xml"
+
+
+def read_description(path: Path) -> bytes:
+    """Bytes of the model description of an FMU file, after all checks of its archive."""
+    with _opened(path) as archive:
+        return _content(path, archive, archive.getinfo(DESCRIPTION))
+
+
+def extract(path: Path, folder: Path) -> None:
+    """Unpack an FMU file into an existing empty folder."""
+    with _opened(path) as archive:
+        written = 0
+        for info in archive.infolist():
+            target = folder / info.filename
+            if info.is_dir():
+                target.mkdir(parents=True, exist_ok=True)
+                continue
+            target.parent.mkdir(parents=True, exist_ok=True)
+            text = _content(path, archive, info)
+            written += len(text)
+            if written > MOST_BYTES:
+                raise FmuError(f"{path}: unpacks to more than {MOST_BYTES >> 20} MiB")
+            target.write_bytes(text)
+
+
+def platforms(path: Path) -> list[str]:
+    """Platforms for which the archive holds binaries, by folder name."""
+    with _opened(path) as archive:
+        parts = [PurePosixPath(name).parts for name in archive.namelist()]
+    return sorted({p[1] for p in parts if len(p) > 2 and p[0] == "binaries"})
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
+    """Archive with all its entries checked."""
+    if path.is_dir():
+        raise FmuError(f"{path}: is a folder, not an FMU file")
+    try:
+        archive = zipfile.ZipFile(path)
+    except FileNotFoundError:
+        raise FmuError(f"{path}: no such file") from None
+    except OSError as error:
+        raise FmuError(f"{path}: cannot be read ({error.strerror})") from None
+    except (zipfile.BadZipFile, ValueError, NotImplementedError) as error:
+        raise FmuError(f"{path}: not a zip archive, {_look(path)} ({error})") from None
+    with archive:
+        _check(path, archive.infolist())
+        yield archive
+
+
+def _look(path: Path) -> str:
+    """Size and first bytes of a file, for the message."""
+    with path.open("rb") as file:
+        head = file.read(8)
+    return f"{path.stat().st_size} bytes, starting with {head!r}"
+
+
+def _check(path: Path, entries: list[zipfile.ZipInfo]) -> None:
+    """Refuse archives that are not plain trees of files of bearable size."""
+    if len(entries) > MOST_ENTRIES:
+        raise FmuError(f"{path}: {len(entries)} entries; at most {MOST_ENTRIES} are read")
+    declared = sum(info.file_size for info in entries)
+    if declared > MOST_BYTES:
+        raise FmuError(f"{path}: declares {declared} bytes; at most {MOST_BYTES} are unpacked")
+    seen: dict[str, str] = {}
+    for info in entries:
+        name = info.orig_filename
+        fault = _fault_of_name(name) or _fault_of_entry(info)
+        twin = seen.setdefault(name.casefold().rstrip("/"), name)
+        if not fault and twin is not name:
+            fault = "stands twice, or differs from another only in case"
+        if fault:
+            raise FmuError(f"{path}: entry '{printable(name)}' {fault}")
+    if DESCRIPTION not in {info.filename for info in entries}:
+        raise FmuError(f"{path}: not an FMU: no {DESCRIPTION} at its top level")
+
+
+def _fault_of_name(name: str) -> str:
+    """What is wrong with an entry's name, or nothing."""
+    if not name or not name.isprintable() or printable(name, most=LONGEST_PATH) != name:
+        return "has an unprintable name"
+    if "\\" in name or ":" in name or name.startswith("/"):
+        return "has an absolute path, a drive or a backslash"
+    parts = name.rstrip("/").split("/")
+    if any(part in {"", ".", ".."} for part in parts):
+        return "leaves its folder"
+    if len(name) > LONGEST_PATH or any(len(part.encode()) > LONGEST_NAME for part in parts):
+        return "has a name too long for a file system"
+    return ""
+
+
+def _fault_of_entry(info: zipfile.ZipInfo) -> str:
+    """What is wrong with an entry beside its name, or nothing."""
+    kind = stat.S_IFMT(info.external_attr >> 16)
+    if kind not in {0, stat.S_IFREG, stat.S_IFDIR}:
+        return "is a link or a device"
+    if info.flag_bits & ENCRYPTED:
+        return "is encrypted"
+    if info.file_size > RATIO_COUNTS_FROM and info.file_size > MOST_RATIO * info.compress_size:
+        return f"is compressed more than {MOST_RATIO} times"
+    return ""
+
+
+def _content(path: Path, archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
+    """Bytes of one entry, never more than it declares."""
+    try:
+        with archive.open(info) as file:
+            pieces = []
+            left = info.file_size
+            while piece := file.read(min(CHUNK, left + 1)):
+                left -= len(piece)
+                if left < 0:
+                    raise FmuError(f"{path}: entry '{info.filename}' is larger than declared")
+                pieces.append(piece)
+            return b"".join(pieces)
+    except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+        raise FmuError(f"{path}: entry '{info.filename}' is damaged ({error})") from None
+    except Exception as error:
+        if isinstance(error, FmuError):
+            raise
+        raise FmuError(f"{path}: entry '{info.filename}' cannot be unpacked ({error})") from None

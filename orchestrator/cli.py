@@ -1,0 +1,157 @@
+"""The command `resilin`. Exit codes: 0 done, 1 the run stopped, 2 wrong input, 130 Ctrl-C."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .errors import InputError, ResilinError
+
+if TYPE_CHECKING:
+    import xarray
+
+    from .results import Outcome
+
+app = typer.Typer(
+    add_completion=True,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Co-simulation of a flapping-wing vehicle driven by dielectric elastomers.",
+)
+
+
+@app.command("run")
+def run_command(
+    scene: Annotated[str, typer.Argument(help="A shipped scene's name, or a TOML file.")],
+    output: Annotated[
+        Path | None, typer.Option(help="Result file; results/SCENE.nc if not given.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", help='Start value, as amplifier.frequency="20 Hz".'),
+    ] = None,
+    laws: Annotated[
+        str | None, typer.Option(help="How much of each port is used: held, affine, curvature.")
+    ] = None,
+    fmus: Annotated[Path, typer.Option(help="Folder of the built parts.")] = Path("build/fmus"),
+    picture: Annotated[bool, typer.Option(help="Draw a PNG beside the result.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False,
+) -> None:
+    """Run a scene; write its result, draw it, print the numbers that matter.
+
+    Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz"
+    """
+    from .interrupt import Interrupt, Interrupted
+    from .results import clear, dataset, partial_path, prepare, write
+    from .run import load, run
+
+    target = output or Path("results") / f"{Path(scene).stem}.nc"
+    with Interrupt() as interrupt:
+        try:
+            plan = load(scene, assignments(set_ or []), fmus, master={"laws": laws} if laws else {})
+            prepare(target)
+            interrupt.check()
+            clear(target)
+            progress = not quiet and sys.stderr.isatty()
+            outcome = run(plan, progress=progress, interrupt=interrupt)
+            data = dataset(outcome)
+            written = write(data, target)
+        except Interrupted as error:
+            fail(str(error), error.exit_code)
+        except ResilinError as error:
+            fail(str(error), error.exit_code)
+    if outcome.failure is not None:
+        kept = f"{len(outcome.times)} rows are kept in {partial_path(target)}"
+        fail(f"{outcome.failure}; {kept}", getattr(outcome.failure, "exit_code", 1))
+    if picture:
+        from .picture import draw
+
+        drawn: Path | None = draw(data, target.with_suffix(".png"))
+    else:
+        drawn = None
+    if not quiet:
+        report(outcome, data, written, drawn)
+
+
+@app.command(
+    "build",
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+    add_help_option=False,
+)
+def build_command(context: typer.Context) -> None:
+    """Build the parts into FMUs; the same as `python build_fmus.py`.
+
+    Example: resilin build linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
+    """
+    import build_fmus
+
+    builder = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    builder.command()(build_fmus.build_command)
+    builder(args=context.args, prog_name="resilin build")
+
+
+@app.command("scenes")
+def scenes_command() -> None:
+    """List the scenes that come with the package."""
+    from .scenario import load_scenario, scene_names
+
+    for name in scene_names():
+        typer.echo(f"{name:24} {load_scenario(name)[0].title}")
+
+
+def assignments(texts: list[str]) -> dict[str, str]:
+    """`component.parameter=value` texts as a table."""
+    changes = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or "." not in name:
+            raise InputError(f"--set {text!r}: write component.parameter=value")
+        changes[name.strip()] = value.strip()
+    return changes
+
+
+def report(outcome: Outcome, data: xarray.Dataset, written: Path, drawn: Path | None) -> None:
+    """Print the table of metrics, and where the files are."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    from .errors import printable
+    from .metrics import metrics
+
+    console = Console()
+    table = Table(title=Text(printable(outcome.plan.scenario.title)), title_justify="left")
+    table.add_column("metric")
+    table.add_column("value", justify="right")
+    for metric in metrics(data, outcome.plan.scenario.metrics.cycles):
+        table.add_row(metric.name, metric.shown)
+    simulated = outcome.times[-1] - outcome.times[0]
+    speed = simulated / outcome.wall_time
+    console.print(table)
+    console.print(
+        f"{outcome.steps} communication steps, {simulated:.3f} s simulated in"
+        f" {outcome.wall_time:.2f} s, {speed:.1f} times real time",
+        highlight=False,
+    )
+    console.print(f"result:  {written}", highlight=False, soft_wrap=True)
+    if drawn is not None:
+        console.print(f"picture: {drawn}", highlight=False, soft_wrap=True)
+
+
+def fail(message: str, code: int) -> None:
+    """Print each line of a message as an error and leave with an exit code."""
+    for line in message.splitlines():
+        typer.echo(f"resilin: {line}", err=True)
+    raise typer.Exit(code)
+
+
+def main() -> None:
+    """Entry point of the command."""
+    app()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,17 @@
+"""What a master is."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from ..system import System
+
+
+class Master(Protocol):
+    """Takes a system from one communication point to the next.
+
+    After `advance(system, time, size)` every value in `system.values` holds at
+    `time + size`. A master keeps nothing between calls.
+    """
+
+    def advance(self, system: System, time: float, size: float) -> None: ...

@@ -1,0 +1,282 @@
+"""A scene: the TOML text as checked data, nothing loaded yet.
+
+`extends` takes another scene as it is and changes what differs; `without` drops components
+with all their wires, holds and records. All problems of a file come at once, each with
+its key and the nearest right name.
+"""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from .errors import SceneError, nearest, printable
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Quantity = Number | Annotated[str, Field(strict=True, min_length=1, max_length=200)]
+Text = Annotated[str, Field(strict=True, max_length=2000)]
+Flag = Annotated[bool, Field(strict=True)]
+LARGEST_FILE = 1 << 20
+DEEPEST_EXTENDS = 10
+LISTS = ("wires", "variables")
+"""Lists to which a scene adds what its base has."""
+
+
+class _Table(BaseModel):
+    """A TOML table: unknown keys are errors, values are frozen."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class PerCycle(_Table):
+    """A communication step as a fraction of the drive's cycle."""
+
+    per_cycle: Annotated[int, Field(strict=True, ge=1, le=10_000_000)]
+
+
+class Time(_Table):
+    """Time span and communication step; `frequency` defines the cycle where it is needed."""
+
+    start: Quantity = 0.0
+    stop: Quantity = "50 cycles"
+    step: PerCycle | Quantity = PerCycle(per_cycle=200)
+    frequency: Quantity | None = None
+
+
+class Component(_Table):
+    """One unit: a built part by name or any FMU by path, and its start values."""
+
+    fmu: Text
+    start: dict[str, Quantity | Flag] = {}
+
+
+class Wire(_Table):
+    """A connection between ports or single variables; `gain` and `offset` for variables."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+    source: Annotated[Text, Field(alias="from")]
+    target: Annotated[Text, Field(alias="to")]
+    gain: Number = 1.0
+    offset: Number = 0.0
+
+
+class Master(_Table):
+    """The method that steps the units; `laws` says how much of each port is connected."""
+
+    kind: Text = "gauss-seidel"
+    laws: Literal["held", "affine", "curvature"] = "curvature"
+    order: list[Text] = []
+
+
+class Record(_Table):
+    """Which outputs are kept, by pattern, and every how many steps."""
+
+    variables: list[Text] = ["*"]
+    every: Annotated[int, Field(strict=True, ge=1)] = 1
+
+
+class Metrics(_Table):
+    """Over how many of the last cycles the figures of the table are taken."""
+
+    cycles: Annotated[int, Field(strict=True, ge=1)] = 5
+
+
+class Scenario(_Table):
+    """A whole scene, `extends` resolved."""
+
+    title: Text = ""
+    time: Time = Time()
+    master: Master = Master()
+    components: dict[str, Component] = {}
+    wires: list[Wire] = []
+    hold: dict[str, Quantity] = {}
+    record: Record = Record()
+    metrics: Metrics = Metrics()
+
+
+def scene_names() -> list[str]:
+    """Names of the scenes that come with the package."""
+    return sorted(
+        path.name.removesuffix(".toml")
+        for path in _shipped().iterdir()
+        if path.name.endswith(".toml")
+    )
+
+
+def _shipped() -> Any:
+    return resources.files("scenarios")
+
+
+def scene_path(name: str, beside: Path | None = None) -> Path:
+    """File of a scene given by path or by the name of a shipped one.
+
+    A path is taken from the folder of the scene that names it, else from here.
+    """
+    if name.endswith(".toml") or "/" in name:
+        path = Path(name) if beside is None else beside / name
+        if path.is_dir():
+            raise SceneError(f"{path}: is a folder, not a scene")
+        if not path.is_file():
+            raise SceneError(f"{path}: no such scene file")
+        return path
+    shipped = scene_names()
+    if name in shipped:
+        return Path(str(_shipped() / f"{name}.toml"))
+    if Path(name).is_file():
+        return Path(name)
+    raise SceneError(f"no scene {printable(name)!r}; {nearest(name, shipped)}")
+
+
+def load_scenario(
+    name: str | Path, changes: dict[str, str] | None = None, **options: Any
+) -> tuple[Scenario, Path]:
+    """Scene by name or path, with `component.parameter` values changed; and its file.
+
+    `options` override single keys, as `master={"laws": "held"}`. Raises
+    :class:`SceneError` with every problem found.
+    """
+    path = scene_path(str(name))
+    tree = _merged(path, [])
+    components = tree.get("components", {})
+    for target, text in (changes or {}).items():
+        component, _, parameter = target.partition(".")
+        if not isinstance(components, dict) or component not in components or not parameter:
+            raise SceneError(
+                f"--set {target}: no component {component!r} in this scene;"
+                f" {nearest(component, components)}"
+            )
+        components[component].setdefault("start", {})[parameter] = text
+    for key, value in options.items():
+        if value:
+            tree[key] = {**tree.get(key, {}), **value}
+    try:
+        return Scenario.model_validate(tree), path
+    except ValidationError as error:
+        raise SceneError(f"{path}: {_worded(problem)}" for problem in error.errors()) from None
+    except RecursionError:
+        raise SceneError(f"{path}: nested too deeply") from None
+
+
+def _merged(path: Path, seen: list[Path]) -> dict[str, Any]:
+    """TOML tree of a scene on top of what it extends."""
+    resolved = path.resolve()
+    if resolved in seen or len(seen) > DEEPEST_EXTENDS:
+        chain = " -> ".join(p.name for p in [*seen, resolved])
+        raise SceneError(f"{path}: extends itself: {chain}")
+    tree = _read(path)
+    base_name = tree.pop("extends", None)
+    dropped = tree.pop("without", [])
+    if base_name is None:
+        if dropped:
+            raise SceneError(f"{path}: without: has a meaning only beside extends")
+        return tree
+    if not isinstance(base_name, str):
+        raise SceneError(f"{path}: extends: expected the name of a scene")
+    base = _merged(scene_path(base_name, path.parent), [*seen, resolved])
+    _drop(base, dropped, path)
+    _release(base, tree.get("wires", []))
+    return _overlaid(base, tree)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """TOML of one file, with line and caret where it is not TOML."""
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise SceneError(f"{path}: larger than {LARGEST_FILE >> 20} MiB; not a scene")
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise SceneError(f"{path}: cannot be read as UTF-8 text ({error})") from None
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"{path}: not TOML: {error}") from None
+    except (RecursionError, ValueError) as error:
+        raise SceneError(f"{path}: not TOML that can be read: {type(error).__name__}") from None
+
+
+def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
+    """Remove components and whatever touches them."""
+    components = tree.get("components", {})
+    if not isinstance(names, list):
+        raise SceneError(f"{path}: without: expected a list of components")
+    for name in names:
+        if name not in components:
+            raise SceneError(
+                f"{path}: without: no component {name!r}; {nearest(str(name), components)}"
+            )
+        del components[name]
+        prefix = f"{name}."
+        tree["wires"] = [
+            wire
+            for wire in tree.get("wires", [])
+            if not (wire["from"].startswith(prefix) or wire["to"].startswith(prefix))
+        ]
+        tree["hold"] = {k: v for k, v in tree.get("hold", {}).items() if not k.startswith(prefix)}
+        record = tree.get("record", {})
+        if "variables" in record:
+            record["variables"] = [v for v in record["variables"] if not v.startswith(prefix)]
+
+
+def _release(base: dict[str, Any], wires: Any) -> None:
+    """Let go of inherited holds that a new wire feeds, by variable or by port."""
+    targets = [w["to"] for w in wires if isinstance(w, dict) and isinstance(w.get("to"), str)]
+    base["hold"] = {
+        key: value
+        for key, value in base.get("hold", {}).items()
+        if not any(key == target or key.startswith(f"{target}.") for target in targets)
+    }
+
+
+def _overlaid(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
+    """`top` over `base`: tables merge, wires and recorded variables add up, all else replaces.
+
+    A component that names another `fmu` keeps only the start values that `top` gives.
+    """
+    merged = dict(base)
+    for key, value in top.items():
+        old = merged.get(key)
+        if isinstance(value, dict) and isinstance(old, dict):
+            other = "fmu" in value and value["fmu"] != old.get("fmu")
+            merged[key] = value if other else _overlaid(old, value)
+        elif key in LISTS and isinstance(value, list) and isinstance(old, list):
+            merged[key] = [*old, *value]
+        else:
+            merged[key] = value
+    return merged
+
+
+def _worded(problem: Any) -> str:
+    """One pydantic problem as `key: what, remedy`."""
+    place = [str(step) for step in problem["loc"]]
+    kinds = {"PerCycle", "float", "str", "constrained-str", "bool"}
+    key = ".".join(step for step in place if step not in kinds and not step.startswith("function"))
+    if problem["type"] == "extra_forbidden":
+        word = place[-1]
+        return f"{key}: unknown key; {_suggestion(place, word)}"
+    if problem["type"] == "missing":
+        return f"{key}: is missing"
+    given = printable(repr(problem.get("input")), most=60)
+    return f"{key}: {problem['msg']}, got {given}"
+
+
+def _suggestion(place: list[str], word: str) -> str:
+    """Nearest key of the table in which an unknown one stands."""
+    tables: dict[str, type[BaseModel]] = {
+        "time": Time,
+        "master": Master,
+        "record": Record,
+        "metrics": Metrics,
+        "components": Component,
+        "wires": Wire,
+    }
+    table = Scenario if len(place) == 1 else tables.get(place[0], Scenario)
+    keys = [field.alias or name for name, field in table.model_fields.items()]
+    if table is Scenario:
+        keys += ["extends", "without"]
+    close = difflib.get_close_matches(word, keys, n=1)
+    return f"did you mean {close[0]!r}?" if close else f"there is {', '.join(sorted(keys))}"

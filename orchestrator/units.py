@@ -1,0 +1,88 @@
+"""Units at the border: texts such as `1.9 mm` to SI, by pint.
+
+Inside, numbers are plain floats in SI. FMI writes products as `N.s/m` and `V2/s2`.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from typing import Any
+
+OFFSET_UNITS = ("degC", "degF", "celsius", "fahrenheit")
+
+
+class UnitError(ValueError):
+    """A text that is no quantity, or not of the unit asked for."""
+
+
+@functools.cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
+
+
+@functools.cache
+def parsed(unit: str) -> Any:
+    """FMI unit string as a pint unit; `UnitError` where pint does not know it."""
+    text = re.sub(r"([A-Za-z])(\d)", r"\1**\2", unit).replace(".", "*")
+    try:
+        return _registry().Unit("dimensionless" if text in {"1", "", "-"} else text)
+    except Exception as error:
+        raise UnitError(f"unknown unit {unit!r} ({error})") from None
+
+
+def factor(from_unit: str, to_unit: str) -> float:
+    """What a number in one unit is multiplied by to be in the other.
+
+    Raises `UnitError` where the dimensions differ, or where a conversion would need an
+    offset (degrees Celsius): such a wire is ambiguous between value and difference.
+    """
+    if from_unit == to_unit:
+        return 1.0
+    one, other = parsed(from_unit), parsed(to_unit)
+    registry = _registry()
+    if one.dimensionality != other.dimensionality:
+        raise UnitError(f"{from_unit or '1'} is not convertible to {to_unit or '1'}")
+    zero = registry.Quantity(0.0, one).to(other).magnitude
+    if zero != 0.0:
+        raise UnitError(f"{from_unit} to {to_unit} needs an offset: state gain and offset")
+    return float(registry.Quantity(1.0, one).to(other).magnitude)
+
+
+def si_value(text: str | float, unit: str) -> float:
+    """A number, or a text with a unit, as a finite number in `unit` (an SI unit).
+
+    A text without a unit counts as being in `unit` already.
+    """
+    if isinstance(text, bool):
+        raise UnitError("true and false are not numbers")
+    if isinstance(text, int | float):
+        return _finite(float(text), str(text))
+    words = text.strip()
+    try:
+        return _finite(float(words), words)
+    except UnitError:
+        raise
+    except ValueError:
+        pass
+    match = re.fullmatch(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.+)", words)
+    if not match:
+        raise UnitError(f"{text!r} is not a number with a unit")
+    number = _finite(float(match[1]), words)
+    symbol = match[2]
+    if symbol in OFFSET_UNITS:
+        raise UnitError(f"{symbol} is ambiguous: give kelvin")
+    try:
+        return number * factor(symbol, unit)
+    except UnitError:
+        wanted = "a pure number" if unit == "1" else f"a quantity in {unit}"
+        raise UnitError(f"expected {wanted}, got {text!r}") from None
+
+
+def _finite(value: float, text: str) -> float:
+    if not math.isfinite(value):
+        raise UnitError(f"{text} is not a finite number")
+    return value
