@@ -208,8 +208,10 @@ def _export(script: Path, into: Path) -> Path:
     """Run the exporter on a staged script and undo what it does to `sys.path`."""
     from pythonfmu import FmuBuilder
 
+    importlib.invalidate_caches()
     package = script.with_name(script.stem.removesuffix("_script"))
     before = list(sys.path)
+    loaded = _taken_out(package.name)
     sys.path.insert(0, str(script.parent))
     cached, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
@@ -217,8 +219,14 @@ def _export(script: Path, into: Path) -> Path:
     finally:
         sys.path[:] = before
         sys.dont_write_bytecode = cached
-        for module in [m for m in sys.modules if m.split(".")[0].startswith(package.name)]:
-            del sys.modules[module]
+        _taken_out(package.name)
+        sys.modules.update(loaded)
+
+
+def _taken_out(package: str) -> dict[str, Any]:
+    """Modules of a package, removed from `sys.modules`: a loaded FMU may have the same ones."""
+    names = [name for name in sys.modules if name.split(".")[0].startswith(package)]
+    return {name: sys.modules.pop(name) for name in names}
 
 
 def _seal(raw: Path, sealed: Path) -> None:

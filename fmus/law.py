@@ -23,17 +23,29 @@ def elapsed(time: float, reference_time: float) -> float:
     return time - reference_time
 
 
-def mean_square_of_motion(
-    first_velocity: float, last_velocity: float, mean_velocity: float
-) -> float:
-    """Mean of v^2 [m2/s2] over an interval, v taken as the parabola through both ends and mean.
+def mean_square(first: float, last: float, mean: float) -> float:
+    """Mean of y^2 over an interval, y taken as the parabola through both ends and its mean.
 
-    With the Legendre coefficients d1 = (v1 - v0)/2 and d2 = (v0 + v1)/2 - m the mean is
+    With the Legendre coefficients d1 = (y1 - y0)/2 and d2 = (y0 + y1)/2 - m the mean is
     m^2 + d1^2/3 + d2^2/5; the error of the parabola is third order in the interval.
     """
-    slope = 0.5 * (last_velocity - first_velocity)
-    bulge = 0.5 * (first_velocity + last_velocity) - mean_velocity
-    return mean_velocity * mean_velocity + slope * slope / 3.0 + bulge * bulge / 5.0
+    slope = 0.5 * (last - first)
+    bulge = 0.5 * (first + last) - mean
+    return mean * mean + slope * slope / 3.0 + bulge * bulge / 5.0
+
+
+def acceleration_between(
+    first: float, first_velocity: float, last: float, last_velocity: float, span: float
+) -> float:
+    """Acceleration [m/s2] at the end of a span between two motion samples; 0 without a span.
+
+    Second derivative of the cubic through both displacements and velocities; its error is
+    second order in the span.
+    """
+    if span <= 0.0:
+        return 0.0
+    mean = (last - first) / span
+    return (2.0 * first_velocity + 4.0 * last_velocity - 6.0 * mean) / span
 
 
 def force_at(

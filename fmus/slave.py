@@ -126,17 +126,20 @@ class PhysicsSlave(Fmi2Slave):
         self._input = None
         self._stale = True
 
-    def _fmu_state_to_bytes(self, state: Any) -> bytes:
+    @staticmethod
+    def _fmu_state_to_bytes(state: Any) -> bytes:
         values, params, inner, time, running = state
         records = [None if record is None else astuple(record) for record in (params, inner)]
         return json.dumps([values, *records, time, running]).encode()
 
-    def _fmu_state_from_bytes(self, state: bytes) -> Any:
+    @classmethod
+    def _fmu_state_from_bytes(cls, state: bytes) -> Any:
         values, params, inner, time, running = json.loads(state.decode())
+        physics = cls.part.physics
         return (
             tuple(values),
-            None if params is None else self._physics.Params(*params),
-            None if inner is None else self._physics.State(*inner),
+            None if params is None else physics.Params(*params),
+            None if inner is None else physics.State(*inner),
             time,
             running,
         )

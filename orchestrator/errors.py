@@ -58,7 +58,9 @@ class Divergence(SimulationError):
 
 
 class InitialisationError(SimulationError):
-    """The units' initial values do not settle."""
+    """The units refuse their start values, or these do not settle."""
+
+    exit_code = 2
 
 
 def nearest(word: str, words: Iterable[str], *, show: int = 8) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .archive import extract
-from .errors import InitialisationError, printable
+from .errors import InitialisationError, UnitFailure
 from .interface import Variable
 from .unit import Unit
 from .wiring import Connection, Plan
@@ -80,6 +80,9 @@ class System:
     def __enter__(self) -> Self:
         try:
             self._load()
+        except UnitFailure as error:
+            self.close()
+            raise InitialisationError(f"{self.plan.path}: {error}") from None
         except BaseException:
             self.close()
             raise
@@ -235,12 +238,13 @@ class System:
                 return
             if not np.all(np.isfinite(self.values)):
                 break
-        worst = int(np.nanargmax(np.where(np.isfinite(change), change, np.inf)))
-        messages = [text for m in self.members for text in m.unit.messages[-1:]]
-        cause = f": {printable(messages[0], most=400)}" if messages else ""
+        worst = int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
+        said = [f"{m.unit.name}: {text}" for m in self.members for text in m.unit.messages[-1:]]
         raise InitialisationError(
-            f"{self.names[worst]} = {self.values[worst]:g} does not settle at the start"
-            f" (still changing by {change[worst]:.2g}){cause}"
+            f"{self.plan.path}: {said[0]}"
+            if said
+            else f"{self.plan.path}: {self.names[worst]} = {self.values[worst]:g} does not settle"
+            f" at the start (still changing by {change[worst]:.2g}); give other start values"
         )
 
 

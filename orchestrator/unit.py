@@ -8,10 +8,12 @@ rounds, at last `close`. After a `UnitFailure` a unit is broken: only `close` ma
 from __future__ import annotations
 
 import ctypes
+import itertools
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,9 +45,10 @@ class Unit:
         self._broken = False
         self._api = fmi2
         self._fmu = self._load(folder)
-        self._logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
+        self._logger = fmi2.fmi2CallbackLoggerTYPE(_route)
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._callbacks.logger = self._logger
+        self._callbacks.componentEnvironment = _listen(self)
         self._callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
         self._callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
         self._proxy_logger()
@@ -206,12 +209,13 @@ class Unit:
         self._call(self._raw("fmi2FreeFMUstate"), ctypes.byref(state))
 
     def close(self) -> None:
-        """End the instance; safe to call twice, and after a failure."""
-        if self._instance is None:
-            return
-        if not self._broken:
+        """End the instance; safe to call twice, and after a failure.
+
+        An instance that has reported a fatal error is left alone: FMI allows no call on it.
+        """
+        if self._instance is not None and not self._broken:
             self._raw("fmi2Terminate")(self._instance)
-        self._raw("fmi2FreeInstance")(self._instance)
+            self._raw("fmi2FreeInstance")(self._instance)
         self._instance = None
 
     def _call(self, function: Any, *arguments: Any) -> None:
@@ -230,14 +234,35 @@ class Unit:
         """The last message of the unit, to go behind an error."""
         return f": {self.messages[-1]}" if self.messages else ""
 
-    def _log(
-        self, environment: Any, instance: bytes, status: int, category: bytes, message: bytes
-    ) -> None:
-        del environment, instance, category
+    def log(self, message: bytes) -> None:
+        """Keep a message of the unit, made safe to print; the first of many only."""
         if len(self.messages) < MOST_MESSAGES and message:
             text = printable(message.decode("utf-8", "replace"), most=500)
-            text = text.removeprefix(f"{self.name}: ")
-            self.messages.append(text)
+            self.messages.append(text.removeprefix(f"{self.name}: "))
+
+
+_listeners: WeakValueDictionary[int, Unit] = WeakValueDictionary()
+_numbers = itertools.count(1)
+
+
+def _listen(unit: Unit) -> int:
+    """Number under which a unit's messages come back.
+
+    fmpy's proxy for C varargs keeps one logger for the whole process, the last one given;
+    the component environment is what still tells the units apart.
+    """
+    number = next(_numbers)
+    _listeners[number] = unit
+    return number
+
+
+def _route(
+    environment: int | None, instance: bytes, status: int, category: bytes, message: bytes
+) -> None:
+    """Logger of all units: hand the message to the one that it comes from."""
+    unit = _listeners.get(environment or 0)
+    if unit is not None:
+        unit.log(message)
 
 
 def _nothing() -> int:

@@ -27,7 +27,7 @@ def _registry() -> Any:
 @functools.cache
 def parsed(unit: str) -> Any:
     """FMI unit string as a pint unit; `UnitError` where pint does not know it."""
-    text = re.sub(r"([A-Za-z])(\d)", r"\1**\2", unit).replace(".", "*")
+    text = re.sub(r"([A-Za-z])(\d)", r"\1**\2", unit).replace(".", "*").replace("Ohm", "ohm")
     try:
         return _registry().Unit("dimensionless" if text in {"1", "", "-"} else text)
     except Exception as error:

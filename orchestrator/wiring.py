@@ -200,20 +200,7 @@ def _connections(
         except (SceneError, UnitError) as error:
             problems.append(f"{where}: {error}")
             continue
-        for port in {(target, i.port) for _, _, target, i in pairs if i.port}:
-            _feed_rest(interfaces[port[0]], port[0], port[1], where, fed)
     return connections
-
-
-def _feed_rest(
-    interface: Interface, component: str, port: str, where: str, fed: dict[str, str]
-) -> None:
-    """Members of a law port whose first member is fed keep their start values: no law."""
-    members = interface.port(port, "input")
-    if f"{component}.{members[0].name}" not in fed:
-        return
-    for member in members:
-        fed.setdefault(f"{component}.{member.name}", f"start value, beside {where}")
 
 
 def _pairs(
@@ -275,7 +262,6 @@ def _held(
     held: dict[str, float] = {}
     for name, value in scenario.hold.items():
         where = f"hold.{printable(name)}"
-        component = name.partition(".")[0]
         try:
             _, variables, whole = _end(name, interfaces, "input")
             if whole:
@@ -287,26 +273,27 @@ def _held(
             problems.append(f"{where}: {error}")
             continue
         fed[name] = where
-        if variables[0].port:
-            _feed_rest(interfaces[component], component, variables[0].port, where, fed)
     return held
 
 
 def _check_all_fed(
     interfaces: dict[str, Interface], fed: dict[str, str], problems: list[str]
 ) -> None:
-    """Every input is wired or held; silence would be an assumption."""
+    """Every input is wired or held; silence would be an assumption.
+
+    A port whose first member is fed counts as fed: its other members keep their start
+    values, which is a plain number in the place of a law.
+    """
     for component, interface in interfaces.items():
-        missing: dict[str, str] = {}
+        lacking: dict[str, Variable] = {}
         for variable in interface.of("input"):
+            first = interface.port(variable.port, "input")[0] if variable.port else variable
+            if not fed.keys() & {f"{component}.{variable.name}", f"{component}.{first.name}"}:
+                lacking.setdefault(first.name, first)
+        for variable in lacking.values():
             name = f"{component}.{variable.name}"
-            if name not in fed:
-                missing.setdefault(variable.port or variable.name, name)
-        for name in missing.values():
-            unit = interface.variables[name.partition(".")[2]].unit
-            problems.append(
-                f'{name}: neither wired nor held; wire it, or hold: "{name}" = "0 {unit}"'
-            )
+            remedy = f'wire it, or hold: "{name}" = "0 {variable.unit}"'
+            problems.append(f"{name}: neither wired nor held; {remedy}")
 
 
 def _order(scenario: Scenario, problems: list[str]) -> list[str]:

@@ -1,7 +1,9 @@
 """One RC electrode pair behind the amplifier: charge is the state, energy is kept account of.
 
-R q' = V_a(t) - V(q, t), V = V_r + (q - Q - i_m (t - t_r))/C, the charge law of the membrane
-or spring. Charge is what is integrated, so none is lost when the law is renewed.
+R q' = V_a(t) - V(q, t), where V inverts the charge law of the membrane or spring,
+q = Q + i_m s + k s^2 + (C + C' s)(V - V_r), s the time since it held. Charge is what is
+integrated, so none is lost when the law is renewed. Within a step C stands still at its
+middle value, which costs third order and keeps the solution in closed form.
 """
 
 from __future__ import annotations
@@ -9,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..law import mean_square
 from .relaxation import relaxed, segment
 
 IDEAL = 1.0e-3
@@ -23,11 +26,13 @@ NODE = 0.7745966692414834
 
 @dataclass(frozen=True)
 class Law:
-    """Charge law Q + C (V - V_r) + i_m s, with s the time since it held."""
+    """Charge law Q + i_m s + k s^2 + (C + C' s)(V - V_r), with s the time since it held."""
 
     charge: float
     capacitance: float
     motional_current: float
+    capacitance_rate: float
+    charge_curvature: float
     reference_voltage: float
 
 
@@ -43,10 +48,43 @@ class Electrode:
     loss: float
 
 
+def shifted(law: Law, s: float) -> float:
+    """Charge [C] at the reference voltage, `s` [s] after the law held."""
+    return law.charge + (law.motional_current + law.charge_curvature * s) * s
+
+
+def charge_at(law: Law, level: float, s: float) -> float:
+    """Charge [C] at a voltage, `s` [s] after the law held."""
+    slope = law.capacitance + law.capacitance_rate * s
+    return shifted(law, s) + slope * (level - law.reference_voltage)
+
+
 def voltage(law: Law, charge: float, s: float) -> float:
-    """Voltage [V] at a charge, `s` [s] after the law held."""
-    excess = charge - law.charge - law.motional_current * s
-    return law.reference_voltage + excess / law.capacitance
+    """Voltage [V] at a charge; `ValueError` where the capacitance is no longer positive."""
+    slope = law.capacitance + law.capacitance_rate * s
+    if slope <= 0.0:
+        raise ValueError("an electrode's capacitance falls to zero within the step")
+    return law.reference_voltage + (charge - shifted(law, s)) / slope
+
+
+def voltage_rate(law: Law, level: float, current: float, s: float) -> float:
+    """dV/dt [V/s] at a voltage and current."""
+    slope = law.capacitance + law.capacitance_rate * s
+    moved = law.motional_current + 2.0 * law.charge_curvature * s
+    moved = moved + law.capacitance_rate * (level - law.reference_voltage)
+    return (current - moved) / slope
+
+
+def frozen(law: Law, s: float) -> Law:
+    """The law with its capacitance held at the value it has at `s`; a tenth at the least."""
+    return Law(
+        charge=law.charge,
+        capacitance=max(law.capacitance + law.capacitance_rate * s, 0.1 * law.capacitance),
+        motional_current=law.motional_current,
+        capacitance_rate=0.0,
+        charge_curvature=law.charge_curvature,
+        reference_voltage=law.reference_voltage,
+    )
 
 
 def charged(
@@ -70,13 +108,10 @@ def charged(
     lag = r * law.capacitance
     left = span
     while left > 0.0:
-        g0 = (
-            law.charge
-            + law.capacitance * (v0 - law.reference_voltage)
-            + law.motional_current * since
-        )
-        g1 = law.capacitance * v1 + law.motional_current
-        g2 = law.capacitance * v2
+        bend = law.charge_curvature
+        g0 = charge_at(law, v0, since)
+        g1 = law.capacitance * v1 + law.motional_current + 2.0 * bend * since
+        g2 = law.capacitance * v2 + bend
         duration, mode = segment(e.charge, g0, g1, g2, lag, limit, left)
         if mode == 0.0:
             e = free(e, law, since, r, g0, g1, g2, lag, duration)
@@ -92,17 +127,19 @@ def charged(
 def driven(
     e: Electrode, law: Law, since: float, resistance: float, current: float, s: float
 ) -> Electrode:
-    """Stretch of `s` at constant current: V is linear in time."""
+    """Stretch of `s` at constant current: V is a parabola in time."""
     charge = e.charge + current * s
     first = voltage(law, e.charge, since)
     last = voltage(law, charge, since + s)
+    middle = voltage(law, e.charge + 0.5 * current * s, since + 0.5 * s)
+    mean = (first + 4.0 * middle + last) / 6.0
     loss = resistance * current * current * s
     return Electrode(
         charge=charge,
         current=current,
         peak_current=max(e.peak_current, math.fabs(current)),
-        square=e.square + (first * first + first * last + last * last) * s / 3.0,
-        supplied=e.supplied + 0.5 * (first + last) * current * s + loss,
+        square=e.square + mean_square(first, last, mean) * s,
+        supplied=e.supplied + mean * current * s + loss,
         loss=e.loss + loss,
     )
 
@@ -159,8 +196,9 @@ def free(
         rise = curve / law.capacitance
         drain = -curve / lag
         p0 = voltage(law, g0 - lag * g1 + 2.0 * lag * lag * g2, since)
-        p1 = (g1 - 2.0 * lag * g2 - law.motional_current) / law.capacitance
-        p2 = g2 / law.capacitance
+        moved = law.motional_current + 2.0 * law.charge_curvature * since
+        p1 = (g1 - 2.0 * lag * g2 - moved) / law.capacitance
+        p2 = (g2 - law.charge_curvature) / law.capacitance
         i0 = g1 - 2.0 * lag * g2
         i1 = 2.0 * g2
         product = p0 * m0 + p1 * m1 + p2 * m2

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 from ..law import elapsed
 from ..quantity import NO_REFERENCE, UNLIMITED, parameter, provided, received
-from .electrode import Electrode, Law, charged, voltage
+from .electrode import Electrode, Law, charge_at, charged, frozen, voltage, voltage_rate
 from .relaxation import limited
-from .waveform import CHOICES, CONSTANT, EXTERNAL, SQUARE, envelope, next_edge, shape
+from .waveform import CHOICES, CONSTANT, EXTERNAL, SQUARE, envelope, next_edge, piece_end, shape
 
 PHASE_STEP = 0.1
 MOST_PIECES = 10000.0
@@ -83,6 +83,10 @@ class Input:
     top_motional_current: float = received(
         0.0, "A", "dQ/dx times velocity, top", port="top", order=1
     )
+    top_capacitance_rate: float = received(0.0, "F/s", "Rate of dQ/dV, top", port="top", order=2)
+    top_charge_curvature: float = received(
+        0.0, "A/s", "Coefficient of s^2 in the charge, top", port="top", order=2
+    )
     top_reference_voltage: float = received(
         0.0, "V", "Voltage at which the charge law holds, top", port="top"
     )
@@ -95,6 +99,12 @@ class Input:
     bottom_capacitance: float = received(3.24e-9, "F", "dQ/dV, bottom", port="bottom")
     bottom_motional_current: float = received(
         0.0, "A", "dQ/dx times velocity, bottom", port="bottom", order=1
+    )
+    bottom_capacitance_rate: float = received(
+        0.0, "F/s", "Rate of dQ/dV, bottom", port="bottom", order=2
+    )
+    bottom_charge_curvature: float = received(
+        0.0, "A/s", "Coefficient of s^2 in the charge, bottom", port="bottom", order=2
     )
     bottom_reference_voltage: float = received(
         0.0, "V", "Voltage at which the charge law holds, bottom", port="bottom"
@@ -216,6 +226,8 @@ def law_of(u: Input, side: float) -> Law:
             charge=u.top_charge,
             capacitance=u.top_capacitance,
             motional_current=u.top_motional_current,
+            capacitance_rate=u.top_capacitance_rate,
+            charge_curvature=u.top_charge_curvature,
             reference_voltage=u.top_reference_voltage,
         )
     else:
@@ -223,6 +235,8 @@ def law_of(u: Input, side: float) -> Law:
             charge=u.bottom_charge,
             capacitance=u.bottom_capacitance,
             motional_current=u.bottom_motional_current,
+            capacitance_rate=u.bottom_capacitance_rate,
+            charge_curvature=u.bottom_charge_curvature,
             reference_voltage=u.bottom_reference_voltage,
         )
     if law.capacitance <= 0.0:
@@ -267,8 +281,9 @@ def advance_channel(
     h: float,
 ) -> Channel:
     """One channel over [t, t + h], cut at the edges of its drive."""
-    law = law_of(u, side)
+    moving = law_of(u, side)
     age = law_age(u, side, t)
+    law = frozen(moving, age + 0.5 * h)
     offset = drive_phase(p, side)
     e = Electrode(
         charge=charge, current=0.0, peak_current=0.0, square=0.0, supplied=supplied, loss=loss
@@ -280,13 +295,13 @@ def advance_channel(
     piece_start = t
     stop = t + h
     while piece_start < stop:
-        piece_end = min(stop, next_edge(p.waveform, p.frequency, offset, piece_start))
+        end = piece_end(p.waveform, p.frequency, offset, piece_start, stop)
         pieces = pieces + 1.0
         if pieces > MOST_PIECES:
             raise ValueError("the communication step spans more than 10000 edges of the drive")
-        count = substeps(p, piece_start, piece_end - piece_start)
-        span = (piece_end - piece_start) / count
-        inside = 0.5 * (piece_start + piece_end)
+        count = substeps(p, piece_start, end - piece_start)
+        span = (end - piece_start) / count
+        inside = 0.5 * (piece_start + end)
         for i in range(int(count)):
             start = piece_start + float(i) * span
             v0 = command(p, u, side, start, inside)
@@ -312,9 +327,9 @@ def advance_channel(
                 aim = v0 + 0.5 * (v1 + 0.5 * v2 * span) * span
                 bound = power_bound(p, law, voltage(law, e.charge, since), aim, span)
             e = charged(e, law, since, p.resistance, bound, v0, v1, v2, span)
-        piece_start = piece_end
-    ended = voltage(law, e.charge, age + h)
-    rate = (e.current - law.motional_current) / law.capacitance
+        piece_start = end
+    ended = voltage(moving, e.charge, age + h)
+    rate = voltage_rate(moving, ended, e.current, age + h)
     line = ended * ended - ended * rate * h
     return Channel(
         drive=drive,
@@ -363,11 +378,7 @@ def joined(top: Channel, bottom: Channel) -> State:
 def uncharged(p: Params, u: Input, side: float, t: float) -> Channel:
     """Channel at V = 0, its amplifier at 0 too."""
     law = law_of(u, side)
-    charge = (
-        law.charge
-        - law.capacitance * law.reference_voltage
-        + law.motional_current * law_age(u, side, t)
-    )
+    charge = charge_at(law, 0.0, law_age(u, side, t))
     return Channel(
         drive=0.0,
         charge=charge,

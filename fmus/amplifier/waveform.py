@@ -79,3 +79,15 @@ def next_edge(waveform: float, frequency: float, phase: float, time: float) -> f
         offset = phase + 0.25
     halves = math.floor(2.0 * (frequency * time + offset + COINCIDENT)) + 1.0
     return (0.5 * halves - offset) / frequency
+
+
+def piece_end(waveform: float, frequency: float, phase: float, time: float, stop: float) -> float:
+    """End [s] of the smooth piece that starts at `time`: the next edge, but at most `stop`.
+
+    An edge within 1e-9 cycles of `stop` belongs to what comes after: a step that ends on an
+    edge must hand over the values before it.
+    """
+    edge = next_edge(waveform, frequency, phase, time)
+    if (stop - edge) * frequency <= COINCIDENT:
+        return stop
+    return edge

@@ -410,8 +410,8 @@ def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
     load_work = x.load_work
     while time < h:
         limit = largest_substep(p, u, q, v, slope)
-        left = math.ceil((h - time) / limit * (1.0 - 1.0e-12))
-        span = (h - time) / max(1.0, float(left))
+        left = max(1.0, float(math.ceil((h - time) / limit * (1.0 - 1.0e-12))))
+        span = (h - time) / left
         count = count + 1.0
         if left + count > MOST_SUBSTEPS:
             raise ValueError("the mechanism is too stiff for this step: more than 1e6 substeps")
@@ -452,7 +452,7 @@ def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
         )
         angle, slope, bend = flap(g, r, q)
         time = time + span
-        if left <= 1:
+        if left <= 1.0:
             time = h
     return State(
         displacement=q,

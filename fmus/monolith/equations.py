@@ -78,12 +78,21 @@ def currents(c: Composition, y: Any, drives: tuple[float, float]) -> tuple[float
 def right_hand_side(
     c: Composition, u: amplifier.Input, inside: float
 ) -> Callable[[float, Any], list[float]]:
-    """dy/dt over one smooth piece of the drive, of which `inside` is a time."""
+    """dy/dt over one smooth piece of the drive, of which `inside` is a time.
+
+    A trial state outside the model gives NaN, on which the solver shortens its step.
+    """
     p = c.amplifier
     lagging = p.bandwidth < UNLIMITED or p.slew_rate < UNLIMITED
     rate = 2.0 * math.pi * min(p.bandwidth, 1.0e9)
 
     def derivative(t: float, y: Any) -> list[float]:
+        try:
+            return inner(t, y)
+        except (ValueError, OverflowError):
+            return [math.nan] * len(FIELDS)
+
+    def inner(t: float, y: Any) -> list[float]:
         commands = (
             amplifier.command(p, u, 1.0, t, inside),
             amplifier.command(p, u, -1.0, t, inside),

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..law import elapsed, mean_square_of_motion
+from ..law import acceleration_between, elapsed, mean_square
 from ..quantity import NO_REFERENCE, parameter, provided, received
 
 
@@ -151,6 +151,20 @@ class Output:
         order=1,
         depends=(*_TOP, "motion.velocity"),
     )
+    top_capacitance_rate: float = provided(
+        "F/s",
+        "dC/dx times velocity, top cone",
+        port="top",
+        order=2,
+        depends=("motion.velocity",),
+    )
+    top_charge_curvature: float = provided(
+        "A/s",
+        "Coefficient of the squared time in the charge law, top cone",
+        port="top",
+        order=2,
+        depends=(*_TOP, "motion"),
+    )
     top_reference_voltage: float = provided(
         "V", "Voltage at which the top charge law holds", port="top", depends=_TOP
     )
@@ -169,6 +183,20 @@ class Output:
         port="bottom",
         order=1,
         depends=(*_BOTTOM, "motion.velocity"),
+    )
+    bottom_capacitance_rate: float = provided(
+        "F/s",
+        "dC/dx times velocity, bottom cone",
+        port="bottom",
+        order=2,
+        depends=("motion.velocity",),
+    )
+    bottom_charge_curvature: float = provided(
+        "A/s",
+        "Coefficient of the squared time in the charge law, bottom cone",
+        port="bottom",
+        order=2,
+        depends=(*_BOTTOM, "motion"),
     )
     bottom_reference_voltage: float = provided(
         "V", "Voltage at which the bottom charge law holds", port="bottom", depends=_BOTTOM
@@ -234,7 +262,7 @@ def loss_since_sample(p: Params, x: State, u: Input, t: float) -> float:
     if span <= 0.0:
         return 0.0
     mean = (u.motion_displacement - x.sample_displacement) / span
-    square = mean_square_of_motion(x.sample_velocity, u.motion_velocity, mean)
+    square = mean_square(x.sample_velocity, u.motion_velocity, mean)
     return damping(p) * square * span
 
 
@@ -266,6 +294,14 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
     ) - square_rate_at(
         u.bottom_voltage, u.bottom_voltage_rate, u.bottom_square_curvature, since_bottom
     )
+    sampled = t - elapsed(t, u.motion_reference_time)
+    acceleration = acceleration_between(
+        x.sample_displacement,
+        x.sample_velocity,
+        u.motion_displacement,
+        velocity,
+        sampled - x.sample_time,
+    )
     top_capacitance = capacitance(p, 1.0, displacement)
     bottom_capacitance = capacitance(p, -1.0, displacement)
     force = passive_force(p, displacement, velocity) + slope * (top_square - bottom_square)
@@ -281,11 +317,15 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         top_charge=top_capacitance * top,
         top_capacitance=top_capacitance,
         top_motional_current=2.0 * slope * velocity * top,
+        top_capacitance_rate=2.0 * slope * velocity,
+        top_charge_curvature=slope * acceleration * top,
         top_reference_voltage=top,
         top_charge_time=t,
         bottom_charge=bottom_capacitance * bottom,
         bottom_capacitance=bottom_capacitance,
         bottom_motional_current=-2.0 * slope * velocity * bottom,
+        bottom_capacitance_rate=-2.0 * slope * velocity,
+        bottom_charge_curvature=-slope * acceleration * bottom,
         bottom_reference_voltage=bottom,
         bottom_charge_time=t,
         elastic_energy=0.5 * p.stiffness * displacement * displacement,

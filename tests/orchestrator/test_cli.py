@@ -1,0 +1,76 @@
+"""The command as a user sees it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import xarray
+from typer.testing import CliRunner
+
+from orchestrator.cli import app
+
+runner = CliRunner()
+
+
+def test_run_writes_result_picture_and_table(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out" / "flap.nc"
+    done = runner.invoke(
+        app,
+        ["run", "oscillator-1", "--output", str(target), "--fmus", str(library)],
+    )
+    assert done.exit_code == 0, done.output
+    assert "travel" in done.output
+    assert sorted(p.name for p in target.parent.iterdir()) == ["flap.nc", "flap.png"]
+    with xarray.open_dataset(target) as data:
+        assert "payload.displacement" in data
+
+
+def test_set_changes_a_start_value(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "flap.nc"
+    options = ["--fmus", str(library), "--no-picture", "--quiet", "--set", "payload.mass=3 g"]
+    done = runner.invoke(app, ["run", "oscillator-1", "--output", str(target), *options])
+    assert done.exit_code == 0, done.output
+    assert done.output == ""
+    with xarray.open_dataset(target) as data:
+        assert "3 g" in data.attrs["scene"]
+
+
+def test_a_failed_run_leaves_a_partial_file_only(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "flap.nc"
+    target.write_text("an earlier result")
+    options = ["--fmus", str(library), "--set", "payload.start_velocity=9000"]
+    done = runner.invoke(app, ["run", "oscillator-1", "--output", str(target), *options])
+    assert done.exit_code == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["flap.partial.nc"]
+
+
+def test_scenes_are_listed() -> None:
+    done = runner.invoke(app, ["scenes"])
+    assert done.exit_code == 0
+    assert "flapping-full-wings" in done.output
+
+
+def test_build_is_the_builder(tmp_path: Path) -> None:
+    done = runner.invoke(app, ["build", "payload", "--into", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "payload.fmu").is_file()
+    wrong = runner.invoke(app, ["build", "payloda", "--into", str(tmp_path)])
+    assert wrong.exit_code == 2
+    assert "did you mean 'payload'" in wrong.output
+
+
+def test_help_is_light() -> None:
+    """`run --help` loads neither plotting nor arrays nor FMU machinery."""
+    heavy = ("matplotlib", "xarray", "numpy", "scipy", "fmpy", "pint", "control")
+    code = (
+        "import sys\n"
+        "sys.argv = ['resilin', 'run', '--help']\n"
+        "from orchestrator.cli import main\n"
+        "try:\n    main()\nexcept SystemExit:\n    pass\n"
+        f"print([m for m in {heavy!r} if m in sys.modules], file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "Example:" in done.stdout
+    assert done.stderr.strip() == "[]"
