@@ -148,6 +148,7 @@ def build(
     if not force and _guid_in(target) == guid:
         return _described(title, target, guid, fresh=False)
     into.mkdir(parents=True, exist_ok=True)
+    files.update({path: make().encode() for path, make in part.generated.items()})
     with tempfile.TemporaryDirectory(prefix="resilin_build_") as folder:
         staged = _stage(Path(folder), title, part, files, starts, digest, guid)
         raw = _export(staged, Path(folder) / "raw")

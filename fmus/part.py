@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Any
 
@@ -37,7 +38,8 @@ class Part:
 
     `step` is the communication step that suits the part alone [s]. `needs` names packages
     that the part imports from the host's Python at run time; empty means the standard
-    library does. `includes` names the other parts whose physics it is made of.
+    library does. `includes` names the other parts whose physics it is made of. `generated`
+    gives files that are made at build time, by path in the tree, and shipped.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Part:
     step: float
     needs: tuple[str, ...] = ()
     includes: tuple[str, ...] = ()
+    generated: dict[str, Callable[[], str]] = field(default_factory=dict)
 
     @property
     def variables(self) -> list[Variable]:

@@ -8,6 +8,7 @@ and encrypted archives, and what is no archive at all.
 from __future__ import annotations
 
 import stat
+import unicodedata
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +17,7 @@ from pathlib import Path, PurePosixPath
 from .errors import FmuError, printable
 
 MOST_BYTES = 512 * 1024 * 1024
+MOST_DESCRIPTION = 64 * 1024 * 1024
 MOST_ENTRIES = 10_000
 MOST_RATIO = 200
 RATIO_COUNTS_FROM = 1024 * 1024
@@ -29,24 +31,30 @@ DESCRIPTION = "modelDescription.xml"
 def read_description(path: Path) -> bytes:
     """Bytes of the model description of an FMU file, after all checks of its archive."""
     with _opened(path) as archive:
-        return _content(path, archive, archive.getinfo(DESCRIPTION))
+        info = archive.getinfo(DESCRIPTION)
+        if info.file_size > MOST_DESCRIPTION:
+            raise FmuError(
+                f"{path}: {DESCRIPTION} has {info.file_size >> 20} MiB;"
+                f" at most {MOST_DESCRIPTION >> 20} MiB are read"
+            )
+        return _content(path, archive, info)
 
 
 def extract(path: Path, folder: Path) -> None:
     """Unpack an FMU file into an existing empty folder."""
     with _opened(path) as archive:
-        written = 0
         for info in archive.infolist():
             target = folder / info.filename
-            if info.is_dir():
-                target.mkdir(parents=True, exist_ok=True)
-                continue
-            target.parent.mkdir(parents=True, exist_ok=True)
-            text = _content(path, archive, info)
-            written += len(text)
-            if written > MOST_BYTES:
-                raise FmuError(f"{path}: unpacks to more than {MOST_BYTES >> 20} MiB")
-            target.write_bytes(text)
+            text = b"" if info.is_dir() else _content(path, archive, info)
+            try:
+                (target if info.is_dir() else target.parent).mkdir(parents=True, exist_ok=True)
+                if not info.is_dir():
+                    target.write_bytes(text)
+            except OSError as error:
+                raise FmuError(
+                    f"{path}: cannot be unpacked into {folder} ({error.strerror});"
+                    " make room there, or set TMPDIR to another folder"
+                ) from None
 
 
 def platforms(path: Path) -> list[str]:
@@ -59,15 +67,20 @@ def platforms(path: Path) -> list[str]:
 @contextmanager
 def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
     """Archive with all its entries checked."""
-    if path.is_dir():
-        raise FmuError(f"{path}: is a folder, not an FMU file")
     try:
+        kind = stat.S_IFMT(path.stat().st_mode)
+        if kind == stat.S_IFDIR:
+            raise FmuError(f"{path}: is a folder, not an FMU file")
+        if kind != stat.S_IFREG:
+            raise FmuError(f"{path}: is not a plain file")
         archive = zipfile.ZipFile(path)
     except FileNotFoundError:
         raise FmuError(f"{path}: no such file") from None
     except OSError as error:
         raise FmuError(f"{path}: cannot be read ({error.strerror})") from None
-    except (zipfile.BadZipFile, ValueError, NotImplementedError) as error:
+    except ValueError as error:
+        raise FmuError(f"{printable(str(path))}: no such file ({error})") from None
+    except (zipfile.BadZipFile, NotImplementedError) as error:
         raise FmuError(f"{path}: not a zip archive, {_look(path)} ({error})") from None
     with archive:
         _check(path, archive.infolist())
@@ -81,6 +94,17 @@ def _look(path: Path) -> str:
     return f"{path.stat().st_size} bytes, starting with {head!r}"
 
 
+def _is_place_taken(name: str, folders: set[str], files: set[str]) -> bool:
+    """Whether an entry stands where another needs a folder, or the other way round."""
+    parts = name.casefold().rstrip("/").split("/")
+    above = {"/".join(parts[:k]) for k in range(1, len(parts))}
+    own = "/".join(parts)
+    taken = bool(above & files) or (own in folders and not name.endswith("/"))
+    folders |= above
+    (folders if name.endswith("/") else files).add(own)
+    return taken
+
+
 def _check(path: Path, entries: list[zipfile.ZipInfo]) -> None:
     """Refuse archives that are not plain trees of files of bearable size."""
     if len(entries) > MOST_ENTRIES:
@@ -88,13 +112,18 @@ def _check(path: Path, entries: list[zipfile.ZipInfo]) -> None:
     declared = sum(info.file_size for info in entries)
     if declared > MOST_BYTES:
         raise FmuError(f"{path}: declares {declared} bytes; at most {MOST_BYTES} are unpacked")
-    seen: dict[str, str] = {}
+    seen: set[str] = set()
+    folders: set[str] = set()
+    files: set[str] = set()
     for info in entries:
         name = info.orig_filename
         fault = _fault_of_name(name) or _fault_of_entry(info)
-        twin = seen.setdefault(name.casefold().rstrip("/"), name)
-        if not fault and twin is not name:
+        key = unicodedata.normalize("NFC", name).casefold().rstrip("/")
+        if not fault and key in seen:
             fault = "stands twice, or differs from another only in case"
+        if not fault and _is_place_taken(name, folders, files):
+            fault = "is a file where another entry needs a folder"
+        seen.add(key)
         if fault:
             raise FmuError(f"{path}: entry '{printable(name)}' {fault}")
     if DESCRIPTION not in {info.filename for info in entries}:
@@ -103,6 +132,8 @@ def _check(path: Path, entries: list[zipfile.ZipInfo]) -> None:
 
 def _fault_of_name(name: str) -> str:
     """What is wrong with an entry's name, or nothing."""
+    if len(name) > LONGEST_PATH:
+        return "has a name too long for a file system"
     if not name or not name.isprintable() or printable(name, most=LONGEST_PATH) != name:
         return "has an unprintable name"
     if "\\" in name or ":" in name or name.startswith("/"):
@@ -110,7 +141,7 @@ def _fault_of_name(name: str) -> str:
     parts = name.rstrip("/").split("/")
     if any(part in {"", ".", ".."} for part in parts):
         return "leaves its folder"
-    if len(name) > LONGEST_PATH or any(len(part.encode()) > LONGEST_NAME for part in parts):
+    if any(len(part.encode()) > LONGEST_NAME for part in parts):
         return "has a name too long for a file system"
     return ""
 
@@ -122,6 +153,8 @@ def _fault_of_entry(info: zipfile.ZipInfo) -> str:
         return "is a link or a device"
     if info.flag_bits & ENCRYPTED:
         return "is encrypted"
+    if info.compress_type not in {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
+        return "is compressed by another method than deflate"
     if info.file_size > RATIO_COUNTS_FROM and info.file_size > MOST_RATIO * info.compress_size:
         return f"is compressed more than {MOST_RATIO} times"
     return ""
@@ -138,6 +171,8 @@ def _content(path: Path, archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> byt
                 if left < 0:
                     raise FmuError(f"{path}: entry '{info.filename}' is larger than declared")
                 pieces.append(piece)
+            if left:
+                raise FmuError(f"{path}: entry '{info.filename}' is shorter than declared")
             return b"".join(pieces)
     except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError) as error:
         raise FmuError(f"{path}: entry '{info.filename}' is damaged ({error})") from None

@@ -69,7 +69,10 @@ def run_command(
     if picture:
         from .picture import draw
 
-        drawn: Path | None = draw(data, target.with_suffix(".png"))
+        try:
+            drawn: Path | None = draw(data, target.with_suffix(".png"))
+        except OSError as error:
+            fail(f"{target.with_suffix('.png')}: cannot be drawn ({error}); {written} is whole", 2)
     else:
         drawn = None
     if not quiet:
@@ -107,7 +110,8 @@ def assignments(texts: list[str]) -> dict[str, str]:
     changes = {}
     for text in texts:
         name, equals, value = text.partition("=")
-        if not equals or "." not in name:
+        component, _, parameter = name.strip().partition(".")
+        if not (equals and component and parameter):
             raise InputError(f"--set {text!r}: write component.parameter=value")
         changes[name.strip()] = value.strip()
     return changes
@@ -143,14 +147,19 @@ def report(outcome: Outcome, data: xarray.Dataset, written: Path, drawn: Path | 
 
 def fail(message: str, code: int) -> None:
     """Print each line of a message as an error and leave with an exit code."""
-    for line in message.splitlines():
-        typer.echo(f"resilin: {line}", err=True)
+    from .errors import printable
+
+    for line in message.split("\n"):
+        typer.echo(f"resilin: {printable(line, most=900)}", err=True)
     raise typer.Exit(code)
 
 
 def main() -> None:
     """Entry point of the command."""
-    app()
+    try:
+        app()
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
 
 
 if __name__ == "__main__":

@@ -33,7 +33,8 @@ class SceneError(InputError):
     """One or more problems of a scene, each with its place."""
 
     def __init__(self, problems: Iterable[str] | str) -> None:
-        self.problems = [problems] if isinstance(problems, str) else list(problems)
+        listed = [problems] if isinstance(problems, str) else list(problems)
+        self.problems = [problem.replace("\n", "\\x0a") for problem in listed]
         super().__init__("\n".join(self.problems))
 
 

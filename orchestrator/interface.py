@@ -1,12 +1,13 @@
 """What an FMU says of itself: its modelDescription, read with care and checked.
 
-The XML is guarded first (no DOCTYPE, bounded depth), then validated and parsed by fmpy, then
-reduced to the few facts that wiring and running need.
+The XML is parsed once, guarded (no DOCTYPE, bounded depth), validated against the schema of
+FMI that fmpy carries, checked for what the schema does not see, and reduced to the few facts
+that wiring and running need.
 """
 
 from __future__ import annotations
 
-import io
+import functools
 import math
 import re
 from collections.abc import Iterable
@@ -55,6 +56,7 @@ class Interface:
     model: str
     identifier: str
     guid: str
+    tool: str
     variables: dict[str, Variable]
     rollback: bool
     variable_step: bool
@@ -76,15 +78,15 @@ class Interface:
 
 def read_interface(path: Path) -> Interface:
     """Interface of an FMU file; `FmuError` with file, line and cause where it is unfit."""
-    text = read_description(path)
-    root = _guarded(path, text)
+    root = _guarded(path, read_description(path))
     _check_version(path, root)
-    problems: list[str] = []
+    problems = _against_schema(root)
     warnings: list[str] = []
-    _check_variables(root, problems, warnings)
+    if not problems:
+        _check_variables(root, problems, warnings)
     if problems:
         raise FmuError(f"{path}: modelDescription.xml: {problems[0]}" + _more(problems))
-    return _reduced(path, root, _parsed(path, text), tuple(warnings))
+    return _reduced(path, root, tuple(warnings))
 
 
 def _more(problems: list[str]) -> str:
@@ -95,21 +97,45 @@ def _guarded(path: Path, text: bytes) -> Any:
     """Root element, parsed without entities, network or bottomless nesting."""
     from lxml import etree
 
-    marker = "<!DOCTYPE"
-    if any(marker.encode(code) in text for code in ("utf-8", "utf-16-le", "utf-16-be")):
-        raise FmuError(f"{path}: modelDescription.xml has a DOCTYPE: refused")
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=False)
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
+    )
     try:
         root = etree.fromstring(text, parser)
     except (etree.XMLSyntaxError, ValueError) as error:
-        message = printable(str(error))
-        raise FmuError(f"{path}: modelDescription.xml is not XML: {message}") from None
+        doctype = any(
+            "<!DOCTYPE".encode(code) in text
+            for code in ("utf-8", "utf-16-le", "utf-16-be", "utf-32-le", "utf-32-be")
+        )
+        reason = "has a DOCTYPE: refused" if doctype else f"is not XML: {printable(str(error))}"
+        raise FmuError(f"{path}: modelDescription.xml {reason}") from None
+    document: Any = root.getroottree().docinfo
+    if document.internalDTD is not None or document.doctype:
+        raise FmuError(f"{path}: modelDescription.xml has a DOCTYPE: refused")
     depth = 0
     for event, _ in etree.iterwalk(root, events=("start", "end")):
         depth += 1 if event == "start" else -1
         if depth > DEEPEST:
             raise FmuError(f"{path}: modelDescription.xml is nested deeper than {DEEPEST}")
     return root
+
+
+@functools.cache
+def _schema() -> Any:
+    """The schema of FMI 2.0 that comes with fmpy."""
+    import fmpy
+    from lxml import etree
+
+    folder = Path(fmpy.__file__).parent / "schema" / "fmi2"
+    return etree.XMLSchema(file=str(folder / "fmi2ModelDescription.xsd"))
+
+
+def _against_schema(root: Any) -> list[str]:
+    """What the schema objects to, with lines."""
+    schema = _schema()
+    if schema.validate(root):
+        return []
+    return [f"line {e.line}: {printable(e.message)}" for e in schema.error_log]
 
 
 def _check_version(path: Path, root: Any) -> None:
@@ -133,6 +159,7 @@ def _check_version(path: Path, root: Any) -> None:
 def _check_variables(root: Any, problems: list[str], warnings: list[str]) -> None:
     """Names, references, start values, bounds and units of all variables."""
     units = {unit.get("name") for unit in root.findall("UnitDefinitions/Unit")}
+    types = {entry.get("name") for entry in root.findall("TypeDefinitions/SimpleType")}
     names: set[str] = set()
     references: dict[tuple[str, str], str] = {}
     scalars = root.findall("ModelVariables/ScalarVariable")
@@ -152,12 +179,26 @@ def _check_variables(root: Any, problems: list[str], warnings: list[str]) -> Non
             if other != name:
                 warnings.append(f"{where} is an alias of '{printable(other)}'")
             problems.extend(f"{where} {fault}" for fault in _faults(typed, units))
+            declared = typed.get("declaredType")
+            if declared is not None and declared not in types:
+                problems.append(f"{where} has type '{printable(declared)}', which is not defined")
     for unknown in root.iterfind("ModelStructure//Unknown"):
         indices = [unknown.get("index"), *(unknown.get("dependencies") or "").split()]
         for index in indices:
-            if not (index and index.isdigit() and 1 <= int(index) <= len(scalars)):
-                line = unknown.sourceline
-                problems.append(f"line {line}: ModelStructure names no variable {index!r}")
+            if not _is_place(index, len(scalars)):
+                where = f"line {unknown.sourceline}"
+                shown = printable(str(index), most=20)
+                problems.append(f"{where}: ModelStructure names no variable '{shown}'")
+    for port in root.iterfind("ModelVariables/*/Annotations/Tool[@name='resilin']/Port"):
+        if not port.get("name") or port.get("order", "0") not in {"0", "1", "2"}:
+            where = f"line {port.sourceline}"
+            problems.append(f"{where}: the port's annotation needs a name and an order 0, 1 or 2")
+
+
+def _is_place(text: str | None, count: int) -> bool:
+    """Whether a text is a variable's place, 1 to `count`."""
+    plain = text is not None and text.isascii() and text.isdigit() and len(text) < 10
+    return plain and 1 <= int(text or "0") <= count
 
 
 def _faults(typed: Any, units: Iterable[str | None]) -> list[str]:
@@ -183,83 +224,71 @@ def _faults(typed: Any, units: Iterable[str | None]) -> list[str]:
     return found
 
 
-def _parsed(path: Path, text: bytes) -> Any:
-    """Model description as fmpy validates and parses it."""
-    import zipfile
-
-    from fmpy.model_description import ValidationError, read_model_description
-
-    alone = io.BytesIO()
-    with zipfile.ZipFile(alone, "w") as archive:
-        archive.writestr("modelDescription.xml", text)
-    try:
-        return read_model_description(alone)
-    except ValidationError as error:
-        problem = printable(str(error.problems[0]))
-        raise FmuError(f"{path}: modelDescription.xml: {problem}" + _more(error.problems)) from None
-    except Exception as error:
-        problem = printable(str(error))
-        raise FmuError(f"{path}: modelDescription.xml cannot be read: {problem}") from None
-
-
-def _reduced(path: Path, root: Any, parsed: Any, warnings: tuple[str, ...]) -> Interface:
-    """The facts that matter, from fmpy's description and our annotations."""
-    ports: dict[str, tuple[str, int]] = {}
-    for scalar in root.findall("ModelVariables/ScalarVariable"):
-        name = scalar.get("name")
-        port = scalar.find("Annotations/Tool[@name='resilin']/Port")
-        prefix = name.rpartition(".")[0]
-        ports[name] = (prefix, 0) if port is None else (port.get("name"), int(port.get("order", 0)))
-    depends = {
-        unknown.variable.name: (
-            None
-            if unknown.dependencies is None
-            else tuple(v.name for v in unknown.dependencies if v.causality == "input")
-        )
-        for unknown in parsed.outputs
-    }
+def _reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
+    """The facts that matter, from the tree and our annotations."""
+    types = {entry.get("name"): entry for entry in root.findall("TypeDefinitions/SimpleType")}
+    scalars = root.findall("ModelVariables/ScalarVariable")
+    names = [scalar.get("name") for scalar in scalars]
+    inputs = {k for k, scalar in enumerate(scalars) if scalar.get("causality") == "input"}
+    depends: dict[int, tuple[str, ...] | None] = {}
+    for unknown in root.findall("ModelStructure/Outputs/Unknown"):
+        listed = unknown.get("dependencies")
+        places = [int(text) - 1 for text in (listed or "").split()]
+        known = None if listed is None else tuple(names[k] for k in places if k in inputs)
+        depends[int(unknown.get("index")) - 1] = known
     variables = {
-        v.name: _variable(v, *ports[v.name], depends.get(v.name)) for v in parsed.modelVariables
+        name: _variable(scalar, types, depends.get(k))
+        for k, (name, scalar) in enumerate(zip(names, scalars, strict=True))
     }
-    kind = parsed.coSimulation
+    kind = root.find("CoSimulation")
     return Interface(
         path=path,
-        model=parsed.modelName,
-        identifier=kind.modelIdentifier,
-        guid=parsed.guid,
+        model=root.get("modelName"),
+        identifier=kind.get("modelIdentifier"),
+        guid=root.get("guid"),
+        tool=root.get("generationTool") or "",
         variables=variables,
-        rollback=_true(kind.canGetAndSetFMUstate),
-        variable_step=_true(kind.canHandleVariableCommunicationStepSize),
-        needs_tool=_true(kind.needsExecutionTool),
+        rollback=_true(kind.get("canGetAndSetFMUstate")),
+        variable_step=_true(kind.get("canHandleVariableCommunicationStepSize")),
+        needs_tool=_true(kind.get("needsExecutionTool")),
         warnings=warnings,
     )
 
 
-def _variable(v: Any, port: str, order: int, depends: tuple[str, ...] | None) -> Variable:
-    """One variable; numbers as floats, declared types resolved."""
-    declared = v.declaredType
-    unit = v.unit or (declared.unit if declared is not None else None)
-    items = declared.items if declared is not None and declared.items else []
-    numeric = v.type in BOUNDED
-    start: float | str | None = v.start
+def _variable(scalar: Any, types: dict[str, Any], depends: tuple[str, ...] | None) -> Variable:
+    """One variable; numbers as floats, what its declared type says filled in."""
+    name = scalar.get("name")
+    typed = next(entry for entry in scalar if entry.tag != "Annotations")
+    kind = str(typed.tag)
+    declared = types.get(typed.get("declaredType"))
+    behind = None if declared is None else declared.find(kind)
+
+    def said(key: str) -> str | None:
+        own: str | None = typed.get(key)
+        return own if own is not None or behind is None else str(behind.get(key) or "") or None
+
+    numeric = kind in BOUNDED
+    start: float | str | None = typed.get("start")
     if start is not None and numeric:
         start = float(start)
+    least, most = (said(key) if numeric else None for key in ("min", "max"))
+    port = scalar.find("Annotations/Tool[@name='resilin']/Port")
     return Variable(
-        name=v.name,
-        reference=int(v.valueReference),
-        kind=v.type,
-        causality=v.causality,
-        unit=unit or "",
-        description=v.description or "",
+        name=name,
+        reference=int(scalar.get("valueReference")),
+        kind=kind,
+        causality=scalar.get("causality") or "local",
+        unit=said("unit") or "",
+        description=scalar.get("description") or "",
         start=start,
-        least=float(v.min) if numeric and v.min is not None else None,
-        most=float(v.max) if numeric and v.max is not None else None,
-        port=port,
-        order=order,
-        choices=tuple(item.name for item in items),
+        least=None if least is None else float(least),
+        most=None if most is None else float(most),
+        port=name.rpartition(".")[0] if port is None else port.get("name"),
+        order=0 if port is None else int(port.get("order", "0")),
+        choices=() if behind is None else tuple(item.get("name") for item in behind),
         depends=depends,
     )
 
 
 def _true(value: Any) -> bool:
-    return value in {True, "true", "1"}
+    return value in {"true", "1"}

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a flag, so that no signal is raised inside an FMU's code."""
+"""Ctrl-C, SIGTERM and a closed terminal as a flag: no signal is raised inside an FMU."""
 
 from __future__ import annotations
 
@@ -6,6 +6,10 @@ import signal
 import threading
 from types import FrameType, TracebackType
 from typing import Any, Self
+
+SIGNALS = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+]
 
 
 class Interrupted(Exception):
@@ -17,7 +21,7 @@ class Interrupted(Exception):
 
 
 class Interrupt:
-    """Context in which SIGINT and SIGTERM only set a flag; a second one acts at once."""
+    """Context in which SIGINT, SIGTERM and SIGHUP only set a flag; a second one acts at once."""
 
     def __init__(self) -> None:
         self.number = 0
@@ -25,7 +29,7 @@ class Interrupt:
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, signal.SIGTERM):
+            for number in SIGNALS:
                 self._before[number] = signal.signal(number, self._note)
         return self
 

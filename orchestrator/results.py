@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -51,16 +52,23 @@ def dataset(outcome: Outcome) -> xarray.Dataset:
 
     plan = outcome.plan
     described = {f"{component}.{v.name}": v for component, v in plan.records}
-    columns = {
-        name: (
-            "time",
-            outcome.series(name),
-            {"units": described[name].unit, "long_name": described[name].description},
-        )
-        for name in outcome.names
-    }
+    columns = {}
+    for index, name in enumerate(outcome.names):
+        said = {"units": described[name].unit, "long_name": described[name].description}
+        safe = netcdf_name(name)
+        if safe != name:
+            said["original_name"] = name
+        if safe in columns:
+            safe = f"{safe}_{index}"
+        columns[safe] = ("time", outcome.rows[:, index], said)
     time = ("time", outcome.times, {"units": "s", "long_name": "Time at which values hold"})
     return xarray.Dataset(columns, coords={"time": time}, attrs=attributes(outcome))
+
+
+def netcdf_name(name: str) -> str:
+    """A name that netCDF takes: what it does not take becomes `_`."""
+    kept = "".join("_" if c == "/" or not c.isprintable() else c for c in name)
+    return re.sub(r"^[^A-Za-z0-9_]|\s+$", "_", kept[:200])
 
 
 def attributes(outcome: Outcome) -> dict[str, Any]:
@@ -104,12 +112,13 @@ def prepare(path: Path) -> None:
     """See that a result can be written to `path`, before any work is done for it."""
     if path.suffix != ".nc":
         raise OutputError(f"{path}: results are netCDF files; name it *.nc")
-    if path.is_dir():
-        raise OutputError(f"{path}: is a folder; name a file")
     try:
+        if path.is_dir():
+            raise OutputError(f"{path}: is a folder; name a file")
         path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path.parent}: cannot be made ({error.strerror})") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise OutputError(f"{path.parent}: cannot be made for {path} ({reason})") from None
     try:
         with tempfile.TemporaryFile(dir=path.parent):
             pass

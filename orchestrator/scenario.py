@@ -8,7 +8,10 @@ its key and the nearest right name.
 from __future__ import annotations
 
 import difflib
+import re
+import reprlib
 import tomllib
+from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -112,23 +115,42 @@ def _shipped() -> Any:
     return resources.files("scenarios")
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is a file; a path that no file system could hold is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 def scene_path(name: str, beside: Path | None = None) -> Path:
     """File of a scene given by path or by the name of a shipped one.
 
     A path is taken from the folder of the scene that names it, else from here.
     """
+    if not name:
+        raise SceneError(f"no scene ''; {nearest(name, scene_names())}")
     if name.endswith(".toml") or "/" in name:
         path = Path(name) if beside is None else beside / name
-        if path.is_dir():
+        if _is_folder(path):
             raise SceneError(f"{path}: is a folder, not a scene")
-        if not path.is_file():
+        if not is_file(path):
             raise SceneError(f"{path}: no such scene file")
         return path
     shipped = scene_names()
     if name in shipped:
         return Path(str(_shipped() / f"{name}.toml"))
-    if Path(name).is_file():
+    if is_file(Path(name)):
         return Path(name)
+    if _is_folder(Path(name)):
+        raise SceneError(f"{name}: is a folder, not a scene")
     raise SceneError(f"no scene {printable(name)!r}; {nearest(name, shipped)}")
 
 
@@ -141,23 +163,22 @@ def load_scenario(
     :class:`SceneError` with every problem found.
     """
     path = scene_path(str(name))
-    tree = _merged(path, [])
-    components = tree.get("components", {})
-    for target, text in (changes or {}).items():
-        component, _, parameter = target.partition(".")
-        if not isinstance(components, dict) or component not in components or not parameter:
-            raise SceneError(
-                f"--set {target}: no component {component!r} in this scene;"
-                f" {nearest(component, components)}"
-            )
-        components[component].setdefault("start", {})[parameter] = text
-    for key, value in options.items():
-        if value:
-            tree[key] = {**tree.get(key, {}), **value}
     try:
+        tree = _merged(path, [])
+        components = tree.get("components", {})
+        for target, text in (changes or {}).items():
+            component, _, parameter = target.partition(".")
+            if component not in components:
+                hint = nearest(component, components)
+                raise SceneError(f"--set {target}: no component {component!r} in {path}; {hint}")
+            components[component].setdefault("start", {})[parameter] = text
+        for key, value in options.items():
+            if value:
+                tree[key] = {**tree.get(key, {}), **value}
         return Scenario.model_validate(tree), path
     except ValidationError as error:
-        raise SceneError(f"{path}: {_worded(problem)}" for problem in error.errors()) from None
+        worded = _worded(error.errors(include_url=False))
+        raise SceneError(f"{path}: {text}" for text in worded) from None
     except RecursionError:
         raise SceneError(f"{path}: nested too deeply") from None
 
@@ -169,14 +190,14 @@ def _merged(path: Path, seen: list[Path]) -> dict[str, Any]:
         chain = " -> ".join(p.name for p in [*seen, resolved])
         raise SceneError(f"{path}: extends itself: {chain}")
     tree = _read(path)
+    if problems := list(_misshapen(tree)):
+        raise SceneError(f"{path}: {problem}" for problem in problems)
     base_name = tree.pop("extends", None)
     dropped = tree.pop("without", [])
     if base_name is None:
         if dropped:
             raise SceneError(f"{path}: without: has a meaning only beside extends")
         return tree
-    if not isinstance(base_name, str):
-        raise SceneError(f"{path}: extends: expected the name of a scene")
     base = _merged(scene_path(base_name, path.parent), [*seen, resolved])
     _drop(base, dropped, path)
     _release(base, tree.get("wires", []))
@@ -194,16 +215,73 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{path}: not TOML: {error}") from None
+        raise SceneError(f"{path}: not TOML: {_caret(text, str(error))}") from None
     except (RecursionError, ValueError) as error:
         raise SceneError(f"{path}: not TOML that can be read: {type(error).__name__}") from None
+
+
+def _caret(text: str, message: str) -> str:
+    """The message, with the place in the line that it names marked."""
+    found = re.search(r"line (\d+), column (\d+)", message)
+    if found is None:
+        return printable(message)
+    lines = text.splitlines()
+    row, column = int(found[1]) - 1, int(found[2]) - 1
+    line = lines[row] if row < len(lines) else ""
+    near = line[max(0, column - 30) : column] + ">>>" + line[column : column + 30]
+    place = message[found.start() : found.end()]
+    return f"{printable(message.partition(' (at')[0])} at {place}: {printable(near)}"
+
+
+BRANCHES = {"PerCycle", "float", "str", "constrained-str", "bool"}
+"""Names that pydantic gives the branches of a union in the place of a problem."""
+
+SHAPES: dict[str, tuple[type, str]] = {
+    "extends": (str, "the name of a scene"),
+    "without": (list, "a list of components"),
+    "time": (dict, "a table"),
+    "master": (dict, "a table"),
+    "components": (dict, "a table of tables"),
+    "wires": (list, "a list of tables, written [[wires]]"),
+    "hold": (dict, "a table"),
+    "record": (dict, "a table"),
+    "metrics": (dict, "a table"),
+}
+
+
+def _misshapen(tree: dict[str, Any]) -> Iterator[str]:
+    """What would keep a tree from being merged with another: tables that are none."""
+    for key, (kind, words) in SHAPES.items():
+        if key in tree and not isinstance(tree[key], kind):
+            yield f"{key}: expected {words}"
+            return
+    for name in tree.get("without", []):
+        if not isinstance(name, str):
+            yield "without: expected a list of components"
+    for name, component in tree.get("components", {}).items():
+        if not isinstance(component, dict) or not isinstance(component.get("start", {}), dict):
+            yield f"components.{name}: expected a table, and a table in start"
+    for index, wire in enumerate(tree.get("wires", [])):
+        if not isinstance(wire, dict):
+            yield f"wires.{index}: expected a table with from and to"
+            continue
+        for end in ("from", "to"):
+            if not isinstance(wire.get(end), str):
+                fault = "expected a text" if end in wire else "is missing"
+                yield f"wires.{index}.{end}: {fault}"
+    variables = tree.get("record", {}).get("variables", [])
+    if not isinstance(variables, list):
+        yield "record.variables: expected a list of texts"
+        return
+    for index, variable in enumerate(variables):
+        if not isinstance(variable, str):
+            given = printable(reprlib.repr(variable), most=60)
+            yield f"record.variables.{index}: expected a text, got {given}"
 
 
 def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
     """Remove components and whatever touches them."""
     components = tree.get("components", {})
-    if not isinstance(names, list):
-        raise SceneError(f"{path}: without: expected a list of components")
     for name in names:
         if name not in components:
             raise SceneError(
@@ -250,17 +328,36 @@ def _overlaid(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
     return merged
 
 
-def _worded(problem: Any) -> str:
-    """One pydantic problem as `key: what, remedy`."""
-    place = [str(step) for step in problem["loc"]]
-    kinds = {"PerCycle", "float", "str", "constrained-str", "bool"}
-    key = ".".join(step for step in place if step not in kinds and not step.startswith("function"))
+def _worded(errors: list[Any]) -> list[str]:
+    """Pydantic's problems as `key: what, remedy`, one a key.
+
+    Where a value may be a number, a text or a table, pydantic complains once for each; what
+    counts is the branch that the value is of.
+    """
+    told: dict[str, str] = {}
+    for problem in errors:
+        place = [str(step) for step in problem["loc"]]
+        branch = next((k for k, step in enumerate(place) if step in BRANCHES), len(place))
+        parts = place[:branch] + [s for s in place[branch:] if s not in BRANCHES]
+        value = problem["input"]
+        inside = "PerCycle" in place and problem["type"] != "model_type"
+        key = ".".join(place[:branch])
+        if inside or problem["type"] == "finite_number" or key not in told:
+            told[key] = _told(".".join(parts), parts, problem, value, branch < len(place))
+    return list(told.values())
+
+
+def _told(key: str, parts: list[str], problem: Any, value: Any, union: bool) -> str:
+    """The words for one problem."""
+    given = printable(reprlib.repr(value), most=60)
     if problem["type"] == "extra_forbidden":
-        word = place[-1]
-        return f"{key}: unknown key; {_suggestion(place, word)}"
+        return f"{key}: unknown key; {_suggestion(parts, parts[-1])}"
     if problem["type"] == "missing":
         return f"{key}: is missing"
-    given = printable(repr(problem.get("input")), most=60)
+    if problem["type"] == "finite_number":
+        return f"{key}: {given} is not a finite number"
+    if union and len(parts) and problem["type"] in {"float_type", "string_type", "model_type"}:
+        return f"{key}: expected a number, or a text with a unit, got {given}"
     return f"{key}: {problem['msg']}, got {given}"
 
 
@@ -275,6 +372,8 @@ def _suggestion(place: list[str], word: str) -> str:
         "wires": Wire,
     }
     table = Scenario if len(place) == 1 else tables.get(place[0], Scenario)
+    if len(place) == 3 and place[:2] == ["time", "step"]:
+        table = PerCycle
     keys = [field.alias or name for name, field in table.model_fields.items()]
     if table is Scenario:
         keys += ["extends", "without"]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .archive import extract
-from .errors import InitialisationError, UnitFailure
+from .errors import FmuError, InitialisationError, UnitFailure
 from .interface import Variable
 from .unit import Unit
 from .wiring import Connection, Plan
@@ -119,11 +119,16 @@ class System:
         self._initialise()
 
     def _unpacked(self, path: Path) -> Path:
-        folder = Path(
-            self._stack.enter_context(
-                tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
-            )
-        )
+        try:
+            made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
+        except OSError as error:
+            raise FmuError(
+                f"{path}: no folder for temporary files in {tempfile.tempdir}"
+                f" ({error.strerror}); set TMPDIR to one that is there and writable"
+            ) from None
+        folder = Path(self._stack.enter_context(made))
+        if "%" in str(folder):
+            raise FmuError(f"{path}: FMUs do not load from {folder}; set TMPDIR to one without %")
         extract(path, folder)
         return folder
 

@@ -52,7 +52,7 @@ class Unit:
         self._callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
         self._callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
         self._proxy_logger()
-        resources = (folder / "resources").resolve().as_uri()
+        resources = _location(folder / "resources", interface.tool)
         self._instance = self._fmu.fmi2Instantiate(
             name.encode(),
             fmi2.fmi2CoSimulation,
@@ -263,6 +263,12 @@ def _route(
     unit = _listeners.get(environment or 0)
     if unit is not None:
         unit.log(message)
+
+
+def _location(folder: Path, tool: str) -> str:
+    """URI of the resources; plain for PythonFMU, which takes the text behind `file://` as it is."""
+    whole = folder.resolve()
+    return f"file://{whole.as_posix()}" if "PythonFMU" in tool else whole.as_uri()
 
 
 def _nothing() -> int:

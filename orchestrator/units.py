@@ -10,6 +10,12 @@ import math
 import re
 from typing import Any
 
+from .errors import printable
+
+_SYMBOL = r"[A-Za-zµμΩ%°]+(?:(?:\*\*|\^)?-?[0-9])?"
+_UNIT = re.compile(rf"(?:1|{_SYMBOL})(?:\s*[*/.·]\s*{_SYMBOL})*")
+"""Products of symbols with one-digit exponents; nothing that a parser would have to compute."""
+
 OFFSET_UNITS = ("degC", "degF", "celsius", "fahrenheit")
 
 
@@ -27,11 +33,13 @@ def _registry() -> Any:
 @functools.cache
 def parsed(unit: str) -> Any:
     """FMI unit string as a pint unit; `UnitError` where pint does not know it."""
+    if unit not in {"", "-"} and not (len(unit) <= 60 and _UNIT.fullmatch(unit)):
+        raise UnitError(f"{printable(unit, most=60)!r} is not a product of units")
     text = re.sub(r"([A-Za-z])(\d)", r"\1**\2", unit).replace(".", "*").replace("Ohm", "ohm")
     try:
         return _registry().Unit("dimensionless" if text in {"1", "", "-"} else text)
     except Exception as error:
-        raise UnitError(f"unknown unit {unit!r} ({error})") from None
+        raise UnitError(f"unknown unit {unit!r} ({printable(str(error))})") from None
 
 
 def factor(from_unit: str, to_unit: str) -> float:
@@ -70,19 +78,20 @@ def si_value(text: str | float, unit: str) -> float:
         pass
     match = re.fullmatch(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.+)", words)
     if not match:
-        raise UnitError(f"{text!r} is not a number with a unit")
+        raise UnitError(f"{printable(text, most=60)!r} is not a number with a unit")
     number = _finite(float(match[1]), words)
     symbol = match[2]
     if symbol in OFFSET_UNITS:
         raise UnitError(f"{symbol} is ambiguous: give kelvin")
     try:
-        return number * factor(symbol, unit)
+        scale = factor(symbol, unit)
     except UnitError:
         wanted = "a pure number" if unit == "1" else f"a quantity in {unit}"
-        raise UnitError(f"expected {wanted}, got {text!r}") from None
+        raise UnitError(f"expected {wanted}, got {printable(text, most=60)!r}") from None
+    return _finite(number * scale, words)
 
 
 def _finite(value: float, text: str) -> float:
     if not math.isfinite(value):
-        raise UnitError(f"{text} is not a finite number")
+        raise UnitError(f"{printable(text, most=60)} is not a finite number")
     return value

@@ -29,7 +29,8 @@ from orchestrator.interface import Interface, read_interface
 from orchestrator.unit import Unit
 
 PARTS = build_fmus.part_names()
-SCENE_START: dict[str, float | str] = {}
+ACCURACY = {"membrane": 1e-5}
+"""Where the reference answer is more exact than the part: the table's error is below this."""
 
 
 def part_of(name: str) -> Part:
@@ -76,6 +77,9 @@ def excite(sent: Any, interface: Interface) -> None:
         "motion.flap_rate": 30.0,
         "motion.flap_angle": 0.1,
         "top.voltage": 1500.0,
+        "bottom.voltage": 1100.0,
+        "top.voltage_rate": 2e5,
+        "bottom.voltage_rate": -3e5,
         "top.square_curvature": 1e13,
         "bottom.square_curvature": 1e13,
         "load.torque": -1e-5,
@@ -154,7 +158,7 @@ def test_declared_dependencies_are_the_true_ones(library: Path, tmp_path: Path, 
         }
     for output, inputs in moved.items():
         assert inputs <= declared[output], output
-    strict = {o for o in moved if o not in {"stroke", "frequency", "hover_mass"}}
+    strict = {o for o in moved if o not in {"stroke", "frequency", "hover_mass", "limits"}}
     assert {o: moved[o] for o in strict} == {o: declared[o] for o in strict}
 
 
@@ -216,7 +220,12 @@ def test_the_reference_answer(library: Path, tmp_path: Path, name: str) -> None:
             unit.receive()
             for key in answers:
                 error = abs(got[place[key]] - row[key]) / scale[key]
-                assert error < 2e-8, (row["time"], key, got[place[key]], row[key])
+                assert error < ACCURACY.get(name, 2e-8), (
+                    row["time"],
+                    key,
+                    got[place[key]],
+                    row[key],
+                )
 
 
 @pytest.mark.parametrize("name", PARTS)
@@ -267,6 +276,7 @@ def test_two_builds_and_three_instances_of_each_stay_apart(
         "aero": ("air_density", "2.4", "load.quadratic_drag", 2.0),
         "amplifier": ("amplitude", "960 V", "top.voltage", 0.5),
         "linkage": ("slider_mass", "1 kg", "velocity", None),
+        "membrane": ("permittivity", "5.6", "top.capacitance", 2.0),
         "monolith": ("amplifier.amplitude", "960 V", "amplifier.top.voltage", 0.5),
         "payload": ("mass", "1.206 g", "velocity", 0.5),
         "spring": ("capacitance", "6.48 nF", "top.capacitance", 2.0),

@@ -1,0 +1,1 @@
+"""Antagonistic double cone of dielectric elastomer membranes."""

@@ -1,0 +1,78 @@
+"""One cone of dielectric film: geometry and elastomer, and the energy of a stretched point.
+
+With l1 the meridional and l2 the hoop stretch of an incompressible film, T its thickness
+before any stretch and V the voltage across it, the energy per undeformed volume is
+
+    w = sum_i mu_i/a_i (l1^a_i + l2^a_i + (l1 l2)^-a_i - 3) - eps/2 (V/T)^2 l1^2 l2^2
+
+(Ogden 1972 with the ideal dielectric; the paper's equation 5 is l1 dw/dl1 at V = 0).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+VACUUM_PERMITTIVITY = 8.8541878128e-12
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Film:
+    """Annulus a..b in the flat pre-stretched state [m], layers of thickness T [m] before
+    pre-stretch, Ogden moduli [Pa] and exponents, relative permittivity."""
+
+    inner_radius: float
+    outer_radius: float
+    thickness: float
+    moduli: tuple[float, ...]
+    exponents: tuple[float, ...]
+    permittivity: float
+    prestretch: float = 1.0
+    layers: float = 1.0
+
+    @property
+    def loading(self) -> float:
+        """eps / T^2 [F/m3]: the electrical energy density per V^2."""
+        return VACUUM_PERMITTIVITY * self.permittivity / (self.thickness * self.thickness)
+
+    @property
+    def volume(self) -> float:
+        """2 pi n T / lp^2 [m]: undeformed volume per R dR."""
+        return 2.0 * np.pi * self.layers * self.thickness / self.prestretch**2
+
+
+@dataclass(frozen=True)
+class Density:
+    """w [J/m3] with its derivatives by l1 and l2, and m = l1^2 l2^2 with its."""
+
+    w: Array
+    w1: Array
+    w2: Array
+    w11: Array
+    w12: Array
+    w22: Array
+
+
+def density(film: Film, l1: Array, l2: Array, square: float) -> Density:
+    """Energy density and its first and second derivatives at V^2 = `square` [V2]."""
+    load = film.loading * square
+    w = -0.5 * load * l1 * l1 * l2 * l2
+    w1 = -load * l1 * l2 * l2
+    w2 = -load * l1 * l1 * l2
+    w11 = -load * l2 * l2
+    w12 = -2.0 * load * l1 * l2
+    w22 = -load * l1 * l1
+    for mu, alpha in zip(film.moduli, film.exponents, strict=True):
+        p1, p2 = l1**alpha, l2**alpha
+        p3 = 1.0 / (p1 * p2)
+        w = w + mu / alpha * (p1 + p2 + p3 - 3.0)
+        w1 = w1 + mu * (p1 - p3) / l1
+        w2 = w2 + mu * (p2 - p3) / l2
+        w11 = w11 + mu * ((alpha - 1.0) * p1 + (alpha + 1.0) * p3) / (l1 * l1)
+        w22 = w22 + mu * ((alpha - 1.0) * p2 + (alpha + 1.0) * p3) / (l2 * l2)
+        w12 = w12 + mu * alpha * p3 / (l1 * l2)
+    return Density(w, w1, w2, w11, w12, w22)

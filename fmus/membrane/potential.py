@@ -1,0 +1,192 @@
+"""The surrogate potential of a cone and its derivatives, from the tables, in plain floats.
+
+Everything is in the groups x = h/b, e = eps V^2/(mu_1 T^2) and units of
+(2 pi n T/lp^2) b^2 mu_1. Inside the table P is a tensor product of uniform quintic
+B-splines. Below it (a cone that goes slack) P is continued in x with a constant stiffness
+until the force is zero, and is constant in x beyond: a slack film pulls at nothing and keeps the
+capacitance it had. Both joints keep force and charge continuous, and both come from the
+same potential, so energy closes there too. Above it, in x or e, there is no answer: the
+cone has no stable equilibrium nearby, and the step fails.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .tables import CELLS_E, CELLS_X, FIELD, HIGHEST, HOOP, LOADING, LOWEST, POTENTIAL
+
+FIELD_X = 15.0
+FIELD_E = 9.0
+
+
+@dataclass(frozen=True)
+class Potential:
+    """P and its derivatives; `slack` is 0 inside the table, 1 below it, 2 without force."""
+
+    p: float
+    px: float
+    pe: float
+    pxx: float
+    pxe: float
+    pee: float
+    pxxe: float
+    pxee: float
+    slack: float
+
+
+def values(t: float) -> tuple[float, float, float, float, float, float]:
+    """The six uniform quintic B-splines at t in a cell, 0 to 1."""
+    u = 1.0 - t
+    tt = t * t
+    uu = u * u
+    return (
+        uu * uu * u / 120.0,
+        (26.0 + t * (-50.0 + t * (20.0 + t * (20.0 + t * (-20.0 + 5.0 * t))))) / 120.0,
+        (66.0 + tt * (-60.0 + tt * (30.0 - 10.0 * t))) / 120.0,
+        (66.0 + uu * (-60.0 + uu * (30.0 - 10.0 * u))) / 120.0,
+        (26.0 + u * (-50.0 + u * (20.0 + u * (20.0 + u * (-20.0 + 5.0 * u))))) / 120.0,
+        tt * tt * t / 120.0,
+    )
+
+
+def slopes(t: float) -> tuple[float, float, float, float, float, float]:
+    """Their first derivatives."""
+    u = 1.0 - t
+    tt = t * t
+    uu = u * u
+    return (
+        -uu * uu / 24.0,
+        (-10.0 + t * (8.0 + t * (12.0 + t * (-16.0 + 5.0 * t)))) / 24.0,
+        t * (-24.0 + tt * (24.0 - 10.0 * t)) / 24.0,
+        -u * (-24.0 + uu * (24.0 - 10.0 * u)) / 24.0,
+        -(-10.0 + u * (8.0 + u * (12.0 + u * (-16.0 + 5.0 * u)))) / 24.0,
+        tt * tt / 24.0,
+    )
+
+
+def bends(t: float) -> tuple[float, float, float, float, float, float]:
+    """Their second derivatives."""
+    u = 1.0 - t
+    return (
+        u * u * u / 6.0,
+        (2.0 + t * (6.0 + t * (-12.0 + 5.0 * t))) / 6.0,
+        (-6.0 + t * t * (18.0 - 10.0 * t)) / 6.0,
+        (-6.0 + u * u * (18.0 - 10.0 * u)) / 6.0,
+        (2.0 + u * (6.0 + u * (-12.0 + 5.0 * u))) / 6.0,
+        t * t * t / 6.0,
+    )
+
+
+def spline(film: int, x: float, e: float) -> Potential:
+    """P and derivatives inside the table's rectangle; both arguments already within it."""
+    rows = POTENTIAL[film]
+    scale_x = CELLS_X / (HIGHEST[film] - LOWEST[film])
+    scale_e = CELLS_E / LOADING[film]
+    place_x = (x - LOWEST[film]) * scale_x
+    place_e = e * scale_e
+    cell_x = min(int(place_x), CELLS_X - 1)
+    cell_e = min(int(place_e), CELLS_E - 1)
+    n = values(place_x - float(cell_x))
+    n1 = slopes(place_x - float(cell_x))
+    n2 = bends(place_x - float(cell_x))
+    m0, m1, m2, m3, m4, m5 = values(place_e - float(cell_e))
+    d0, d1, d2, d3, d4, d5 = slopes(place_e - float(cell_e))
+    b0, b1, b2, b3, b4, b5 = bends(place_e - float(cell_e))
+    p = 0.0
+    px = 0.0
+    pxx = 0.0
+    pe = 0.0
+    pxe = 0.0
+    pxxe = 0.0
+    pee = 0.0
+    pxee = 0.0
+    for i in range(6):
+        row = rows[cell_x + i]
+        c0 = row[cell_e]
+        c1 = row[cell_e + 1]
+        c2 = row[cell_e + 2]
+        c3 = row[cell_e + 3]
+        c4 = row[cell_e + 4]
+        c5 = row[cell_e + 5]
+        s0 = c0 * m0 + c1 * m1 + c2 * m2 + c3 * m3 + c4 * m4 + c5 * m5
+        s1 = c0 * d0 + c1 * d1 + c2 * d2 + c3 * d3 + c4 * d4 + c5 * d5
+        s2 = c0 * b0 + c1 * b1 + c2 * b2 + c3 * b3 + c4 * b4 + c5 * b5
+        p = p + n[i] * s0
+        px = px + n1[i] * s0
+        pxx = pxx + n2[i] * s0
+        pe = pe + n[i] * s1
+        pxe = pxe + n1[i] * s1
+        pxxe = pxxe + n2[i] * s1
+        pee = pee + n[i] * s2
+        pxee = pxee + n1[i] * s2
+    return Potential(
+        p=p,
+        px=px * scale_x,
+        pe=pe * scale_e,
+        pxx=pxx * scale_x * scale_x,
+        pxe=pxe * scale_x * scale_e,
+        pee=pee * scale_e * scale_e,
+        pxxe=pxxe * scale_x * scale_x * scale_e,
+        pxee=pxee * scale_x * scale_e * scale_e,
+        slack=0.0,
+    )
+
+
+def potential(film: int, x: float, e: float) -> Potential:
+    """P and derivatives at any height; `ValueError` above the table in height or loading."""
+    if e > LOADING[film]:
+        raise ValueError("the voltage is above the membrane's table: near or past pull-in")
+    if x > HIGHEST[film]:
+        raise ValueError("a cone is higher than the membrane's table: no stable equilibrium nearby")
+    low = LOWEST[film]
+    if x >= low:
+        return spline(film, x, max(0.0, e))
+    edge = spline(film, low, max(0.0, e))
+    stiffness = spline(film, low, 0.0).pxx
+    reach = x - low
+    slack = 1.0
+    if edge.px + stiffness * reach <= 0.0:
+        reach = -edge.px / stiffness
+        slack = 2.0
+    if slack == 1.0:
+        return Potential(
+            p=edge.p + (edge.px + 0.5 * stiffness * reach) * reach,
+            px=edge.px + stiffness * reach,
+            pe=edge.pe + edge.pxe * reach,
+            pxx=stiffness,
+            pxe=edge.pxe,
+            pee=edge.pee + edge.pxee * reach,
+            pxxe=0.0,
+            pxee=edge.pxee,
+            slack=slack,
+        )
+    return Potential(
+        p=edge.p + 0.5 * edge.px * reach,
+        px=0.0,
+        pe=edge.pe + edge.pxe * reach,
+        pxx=0.0,
+        pxe=0.0,
+        pee=edge.pee + edge.pxee * reach - edge.pxe * edge.pxe / stiffness,
+        pxxe=0.0,
+        pxee=0.0,
+        slack=slack,
+    )
+
+
+def bilinear(rows: tuple[tuple[float, ...], ...], x: float, e: float) -> float:
+    """Bilinear value of a coarse table at places x and e within it, in cells."""
+    i = min(int(x), int(FIELD_X) - 1)
+    j = min(int(e), int(FIELD_E) - 1)
+    s = x - float(i)
+    t = e - float(j)
+    near = rows[i][j] * (1.0 - t) + rows[i][j + 1] * t
+    far = rows[i + 1][j] * (1.0 - t) + rows[i + 1][j + 1] * t
+    return near * (1.0 - s) + far * s
+
+
+def extremes(film: int, x: float, e: float) -> tuple[float, float]:
+    """Largest l1 l2 and least nominal hoop stress over mu_1 of a cone, to a per cent or so."""
+    clipped = min(max(x, LOWEST[film]), HIGHEST[film])
+    place_x = (clipped - LOWEST[film]) / (HIGHEST[film] - LOWEST[film]) * FIELD_X
+    place_e = min(max(e, 0.0), LOADING[film]) / LOADING[film] * FIELD_E
+    return bilinear(FIELD[film], place_x, place_e), bilinear(HOOP[film], place_x, place_e)
