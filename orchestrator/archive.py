@@ -22,6 +22,7 @@ MOST_ENTRIES = 10_000
 MOST_RATIO = 200
 RATIO_COUNTS_FROM = 1024 * 1024
 LONGEST_NAME = 240
+DEEPEST = 32
 LONGEST_PATH = 1000
 CHUNK = 1 << 20
 ENCRYPTED = 0x1
@@ -141,6 +142,8 @@ def _fault_of_name(name: str) -> str:
     parts = name.rstrip("/").split("/")
     if any(part in {"", ".", ".."} for part in parts):
         return "leaves its folder"
+    if len(parts) > DEEPEST:
+        return "is nested too deeply"
     if any(len(part.encode()) > LONGEST_NAME for part in parts):
         return "has a name too long for a file system"
     return ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -76,7 +78,10 @@ def run_command(
     else:
         drawn = None
     if not quiet:
-        report(outcome, data, written, drawn)
+        try:
+            report(outcome, data, written, drawn)
+        except OSError as error:
+            fail(f"standard output: {error.strerror}; {written} is whole", 1)
 
 
 @app.command(
@@ -140,9 +145,10 @@ def report(outcome: Outcome, data: xarray.Dataset, written: Path, drawn: Path | 
         f" {outcome.wall_time:.2f} s, {speed:.1f} times real time",
         highlight=False,
     )
-    console.print(f"result:  {written}", highlight=False, soft_wrap=True)
-    if drawn is not None:
-        console.print(f"picture: {drawn}", highlight=False, soft_wrap=True)
+    for label, path in (("result: ", written), ("picture:", drawn)):
+        if path is not None:
+            shown = Text(f"{label} {printable(str(path), most=1000)}")
+            console.print(shown, soft_wrap=True)
 
 
 def fail(message: str, code: int) -> None:
@@ -155,12 +161,33 @@ def fail(message: str, code: int) -> None:
 
 
 def main() -> None:
-    """Entry point of the command."""
+    """Run the command; what the terminal cannot show is escaped, not an error."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="backslashreplace")
     try:
         app()
     except KeyboardInterrupt:
         raise SystemExit(130) from None
 
 
+def entry() -> None:
+    """The command of the package: `main`, then out without tearing down the interpreter.
+
+    PythonFMU's library touches freed memory when the process takes it down; everything of
+    ours is closed and flushed by then.
+    """
+    code: object = 0
+    try:
+        main()
+    except SystemExit as error:
+        code = error.code
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(code if isinstance(code, int) else int(code is not None))
+
+
 if __name__ == "__main__":
-    main()
+    entry()

@@ -79,6 +79,8 @@ def nearest(word: str, words: Iterable[str], *, show: int = 8) -> str:
 def printable(text: str, *, most: int = 200) -> str:
     """Text from a stranger, safe for a terminal: controls and bidi marks escaped, cut."""
     cut = text if len(text) <= most else text[:most] + "..."
+    if cut.isascii() and cut.isprintable():
+        return cut
     return "".join(c if c.isprintable() and not _bidi(c) else _escaped(c) for c in cut)
 
 

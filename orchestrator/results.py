@@ -68,7 +68,8 @@ def dataset(outcome: Outcome) -> xarray.Dataset:
 def netcdf_name(name: str) -> str:
     """A name that netCDF takes: what it does not take becomes `_`."""
     kept = "".join("_" if c == "/" or not c.isprintable() else c for c in name)
-    return re.sub(r"^[^A-Za-z0-9_]|\s+$", "_", kept[:200])
+    short = kept.encode()[:200].decode(errors="ignore")
+    return re.sub(r"^[^A-Za-z0-9_]|\s+$", "_", short)
 
 
 def attributes(outcome: Outcome) -> dict[str, Any]:
@@ -140,7 +141,7 @@ def write(data: xarray.Dataset, path: Path) -> Path:
     try:
         data.to_netcdf(waiting, engine="netcdf4", encoding=dict.fromkeys(data.variables, coded))
         waiting.replace(target)
-    except OSError as error:
+    except (OSError, RuntimeError) as error:
         raise OutputError(f"{target}: cannot be written ({error})") from None
     finally:
         waiting.unlink(missing_ok=True)

@@ -268,7 +268,10 @@ def _route(
 def _location(folder: Path, tool: str) -> str:
     """URI of the resources; plain for PythonFMU, which takes the text behind `file://` as it is."""
     whole = folder.resolve()
-    return f"file://{whole.as_posix()}" if "PythonFMU" in tool else whole.as_uri()
+    if "PythonFMU" not in tool:
+        return whole.as_uri()
+    path = whole.as_posix()
+    return f"file://{path}" if path.startswith("/") else f"file:///{path}"
 
 
 def _nothing() -> int:

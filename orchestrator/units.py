@@ -13,7 +13,8 @@ from typing import Any
 from .errors import printable
 
 _SYMBOL = r"[A-Za-zµμΩ%°]+(?:(?:\*\*|\^)?-?[0-9])?"
-_UNIT = re.compile(rf"(?:1|{_SYMBOL})(?:\s*[*/.·]\s*{_SYMBOL})*")
+_FACTOR = rf"\(?(?:1|{_SYMBOL})\)?"
+_UNIT = re.compile(rf"{_FACTOR}(?:\s*[*/.·]\s*{_FACTOR})*")
 """Products of symbols with one-digit exponents; nothing that a parser would have to compute."""
 
 OFFSET_UNITS = ("degC", "degF", "celsius", "fahrenheit")

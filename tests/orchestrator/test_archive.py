@@ -158,6 +158,7 @@ def test_harmless_entries_are_read(tmp_path: Path) -> None:
         (b"n" * (LONGEST_NAME + 1), "too long"),
         ("翼".encode() * (LONGEST_NAME // 3 + 1), "too long"),
         (b"d/" * 600 + b"x", "too long"),
+        (b"d/" * 200 + b"x", "d/d/d"),
     ],
 )
 def test_name_is_refused(name: bytes, reason: str, tmp_path: Path) -> None:

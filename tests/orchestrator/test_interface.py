@@ -125,6 +125,16 @@ def test_100000_variables_are_read_in_time(description: str, tmp_path: Path) -> 
     assert interface.variables["p99999"].start == 1.0
 
 
+def test_30000_bad_variables_are_refused_in_time(description: str, tmp_path: Path) -> None:
+    scalar = '<ScalarVariable name="x" valueReference="y"><Real start="z"/></ScalarVariable>'
+    scalars = scalar * 30_000
+    path = fmu(tmp_path, replaced(description, "</ModelVariables>", f"{scalars}</ModelVariables>"))
+    began = process_time()
+    with pytest.raises(FmuError, match="valueReference"):
+        read_interface(path)
+    assert process_time() - began < 5.0
+
+
 @pytest.mark.parametrize(
     "identifier",
     [
