@@ -128,13 +128,15 @@ def build(
     *,
     alias: str | None = None,
     changes: dict[str, str] | None = None,
+    data: Path | None = None,
     into: Path = OUTPUT,
     force: bool = False,
 ) -> Built:
     """Build one part, or reuse the file that stands for the same sources.
 
-    `alias` names the FMU, `changes` gives start values as texts with units. The file
-    appears whole or not at all, and only if fmpy finds nothing to complain about.
+    `alias` names the FMU, `changes` gives start values as texts with units, `data` takes
+    the place of the data file that the part's tables are made from. The file appears whole
+    or not at all, and only if fmpy finds nothing to complain about.
     """
     part = load_part(name)
     title = alias or name
@@ -142,13 +144,26 @@ def build(
         raise BuildError(f"{title!r} cannot name an FMU: use letters, digits and underscores")
     starts = changed_starts(part, changes or {})
     files = source_files(part)
+    if data is not None:
+        if not part.generated:
+            raise BuildError(f"{name} has no data file to replace")
+        try:
+            text = data.read_bytes()
+            text.decode()
+        except (OSError, UnicodeDecodeError) as error:
+            raise BuildError(f"{data}: cannot be read as UTF-8 text ({error})") from None
+        files.update({origin: text for origin, _ in part.generated.values()})
     digest = digest_of(title, files, starts)
     guid = str(uuid.UUID(digest[:32]))
     target = into / f"{title}.fmu"
     if not force and _guid_in(target) == guid:
         return _described(title, target, guid, fresh=False)
     into.mkdir(parents=True, exist_ok=True)
-    files.update({path: make().encode() for path, make in part.generated.items()})
+    for path, (origin, make) in part.generated.items():
+        try:
+            files[path] = make(files[origin].decode()).encode()
+        except ValueError as error:
+            raise BuildError(f"{title}: {origin}: {error}") from None
     with tempfile.TemporaryDirectory(prefix="resilin_build_") as folder:
         staged = _stage(Path(folder), title, part, files, starts, digest, guid)
         raw = _export(staged, Path(folder) / "raw")
@@ -298,6 +313,10 @@ def build_command(
     alias: Annotated[
         str | None, typer.Option("--as", help="Name of the FMU; needs exactly one part.")
     ] = None,
+    data: Annotated[
+        Path | None,
+        typer.Option(help="Data file in the place of the part's own, as films for membrane."),
+    ] = None,
     into: Annotated[Path, typer.Option(help="Folder for the FMUs.")] = OUTPUT,
     force: Annotated[bool, typer.Option("--force", help="Build even what is unchanged.")] = False,
 ) -> None:
@@ -313,10 +332,10 @@ def build_command(
         changes = _assignments(set_ or [], wanted)
         if alias and len(wanted) != 1:
             raise BuildError("--as names one FMU: give exactly one part")
-        if changes and not alias:
-            raise BuildError("--set makes a variant: name it with --as")
+        if (changes or data) and not alias:
+            raise BuildError("--set and --data make a variant: name it with --as")
         done = [
-            build(name, alias=alias, changes=changes.get(name), into=into, force=force)
+            build(name, alias=alias, changes=changes.get(name), data=data, into=into, force=force)
             for name in wanted
         ]
     except (BuildError, OSError) as error:

@@ -23,6 +23,9 @@ from orchestrator.results import dataset
 from orchestrator.run import load, run
 from orchestrator.wiring import LIBRARY
 
+STEPS_PER_SECOND = 1500
+"""Least rate of communication: the mass moves at its own frequency however slow the drive."""
+
 PAPER = [1.0, *range(5, 45, 5), *range(44, 66, 2), *range(70, 105, 5)]
 
 
@@ -43,7 +46,10 @@ def main(
             scene,
             {**changes, "amplifier.frequency": f"{frequency} Hz"},
             library,
-            time={"stop": f"{cycles} cycles"},
+            time={
+                "stop": f"{cycles} cycles",
+                "step": {"per_cycle": max(60, math.ceil(STEPS_PER_SECOND / frequency))},
+            },
         )
         outcome = run(plan)
         if outcome.failure is not None:

@@ -39,7 +39,8 @@ class Part:
     `step` is the communication step that suits the part alone [s]. `needs` names packages
     that the part imports from the host's Python at run time; empty means the standard
     library does. `includes` names the other parts whose physics it is made of. `generated`
-    gives files that are made at build time, by path in the tree, and shipped.
+    gives files that are made at build time and shipped: path in the tree -> path of the data
+    file that it is made from, and the function from text to text.
     """
 
     name: str
@@ -48,7 +49,7 @@ class Part:
     step: float
     needs: tuple[str, ...] = ()
     includes: tuple[str, ...] = ()
-    generated: dict[str, Callable[[], str]] = field(default_factory=dict)
+    generated: dict[str, tuple[str, Callable[[str], str]]] = field(default_factory=dict)
 
     @property
     def variables(self) -> list[Variable]:

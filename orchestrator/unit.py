@@ -24,6 +24,7 @@ from .interface import Interface, Variable
 
 STATUS = ("OK", "warning", "discard", "error", "fatal", "pending")
 FATAL = 4
+FAULTY = (3, 4)
 MOST_MESSAGES = 200
 
 
@@ -41,6 +42,8 @@ class Unit:
         self.interface = interface
         self.messages: list[str] = []
         self.steps = 0
+        self.faults = 0
+        self._running = False
         self._instance: Any = None
         self._broken = False
         self._api = fmi2
@@ -178,6 +181,8 @@ class Unit:
 
     def exit_initialisation(self) -> None:
         self._call(self._raw("fmi2ExitInitializationMode"))
+        self.faults = 0
+        self._running = True
 
     def send(self) -> None:
         """Pass the input buffer to the unit."""
@@ -193,7 +198,7 @@ class Unit:
 
     def receive(self, group: int = -1) -> None:
         """Fill the output buffer, up to a group; all by default."""
-        if self._receive[group]():
+        if self._receive[group]() or (self.faults and self._running):
             self._fail("reading outputs")
 
     def save(self) -> Any:
@@ -234,8 +239,13 @@ class Unit:
         """The last message of the unit, to go behind an error."""
         return f": {self.messages[-1]}" if self.messages else ""
 
-    def log(self, message: bytes) -> None:
-        """Keep a message of the unit, made safe to print; the first of many only."""
+    def log(self, status: int, message: bytes) -> None:
+        """Keep a message of the unit, made safe to print; the first of many only.
+
+        A message with an error counts as a fault even where the call itself says OK: a
+        getter of an exported Python part has no other way to say that there is no answer.
+        """
+        self.faults += status in FAULTY
         if len(self.messages) < MOST_MESSAGES and message:
             text = printable(message.decode("utf-8", "replace"), most=500)
             self.messages.append(text.removeprefix(f"{self.name}: "))
@@ -262,7 +272,7 @@ def _route(
     """Logger of all units: hand the message to the one that it comes from."""
     unit = _listeners.get(environment or 0)
     if unit is not None:
-        unit.log(message)
+        unit.log(status, message)
 
 
 def _location(folder: Path, tool: str) -> str:

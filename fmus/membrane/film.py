@@ -34,6 +34,16 @@ class Film:
     prestretch: float = 1.0
     layers: float = 1.0
 
+    def __post_init__(self) -> None:
+        if not 0.0 < self.inner_radius < self.outer_radius:
+            raise ValueError("a film needs 0 < inner_radius < outer_radius")
+        if len(self.moduli) != len(self.exponents) or not self.moduli:
+            raise ValueError("a film needs as many moduli as exponents, at least one")
+        if min(self.thickness, self.permittivity, self.prestretch, self.layers) <= 0.0:
+            raise ValueError("thickness, permittivity, prestretch and layers are above zero")
+        if any(mu * alpha <= 0.0 for mu, alpha in zip(self.moduli, self.exponents, strict=True)):
+            raise ValueError("each modulus needs the sign of its exponent")
+
     @property
     def loading(self) -> float:
         """eps / T^2 [F/m3]: the electrical energy density per V^2."""

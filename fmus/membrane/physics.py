@@ -29,7 +29,7 @@ class Params:
     """Film, stack and loss of the double cone."""
 
     film: float = parameter(
-        2.0,
+        1.0,
         "1",
         "Shape and material whose table is used: radius ratio, Ogden set, pre-stretch",
         "chosen: the vehicle's; a/b of 0.1 calibrated on table 2",

@@ -11,7 +11,7 @@ PART = Part(
     "Antagonistic double cone of dielectric elastomer films, from one potential",
     physics,
     step=1.0e-4,
-    generated={"membrane/tables.json": tables.made},
+    generated={"membrane/tables.json": ("membrane/materials.toml", tables.made)},
 )
 
 

@@ -38,6 +38,12 @@ class Range:
     cells: tuple[int, int] = (40, 26)
     modes: int = 20
 
+    def __post_init__(self) -> None:
+        if not 0.0 < self.lowest < self.highest:
+            raise ValueError("a table needs 0 < lowest < highest")
+        if self.loading <= 0.0:
+            raise ValueError("a table needs a voltage above zero")
+
 
 def group(film: Film, voltage: float) -> float:
     """The loading e = eps V^2/(mu_1 T^2)."""

@@ -8,7 +8,7 @@ import pytest
 
 from fmus.membrane import loss, physics
 
-BENCH = physics.Params(film=1.0, outer_radius=20e-3, spacer=30e-3, layers=1.0, loss_factor=0.0)
+BENCH = physics.Params(film=2.0, outer_radius=20e-3, spacer=30e-3, layers=1.0, loss_factor=0.0)
 
 
 def at(p: physics.Params, **inputs: float) -> physics.Output:
@@ -45,7 +45,7 @@ def test_thickness_modulus_and_layers_scale_out(factor: float) -> None:
     """The same groups give the same cone: V ~ T sqrt(mu)."""
     base = at(BENCH, top_voltage=1200.0, motion_displacement=1e-3)
     scaled = physics.Params(
-        film=1.0, outer_radius=20e-3, spacer=30e-3, loss_factor=0.0,
+        film=2.0, outer_radius=20e-3, spacer=30e-3, loss_factor=0.0,
         thickness=40e-6 * factor, layers=1.0 / factor,
     )  # fmt: skip
     other = at(scaled, top_voltage=1200.0 * factor, motion_displacement=1e-3)
