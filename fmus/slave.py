@@ -22,8 +22,6 @@ from pythonfmu.enums import Fmi2Status
 from .part import Part
 from .quantity import quantities
 
-_ARITHMETIC = (ValueError, ZeroDivisionError, OverflowError, IndexError)
-
 
 class PhysicsSlave(Fmi2Slave):
     """FMI co-simulation slave of a :class:`Part`.
@@ -78,7 +76,7 @@ class PhysicsSlave(Fmi2Slave):
         try:
             self._initialise()
             self._refresh()
-        except _ARITHMETIC as error:
+        except Exception as error:
             self._report("initialisation", error)
             raise
         self._running = True
@@ -90,7 +88,7 @@ class PhysicsSlave(Fmi2Slave):
                 raise ValueError(self._first_not_finite())
             self._time = current_time
             state = self._physics.advance(self._params, self._state, u, current_time, step_size)
-        except _ARITHMETIC as error:
+        except Exception as error:
             self._report("step", error)
             return False
         self._state = state
@@ -179,7 +177,7 @@ class PhysicsSlave(Fmi2Slave):
             if not self._running:
                 self._initialise()
             self._refresh()
-        except _ARITHMETIC as error:
+        except Exception as error:
             self._report("output", error)
             count = self._outputs.stop - first
             self._values[self._outputs] = [math.nan] * count
@@ -191,5 +189,6 @@ class PhysicsSlave(Fmi2Slave):
         return "inputs are too large to add"
 
     def _report(self, call: str, error: Exception) -> None:
-        message = f"{self.instance_name}: {call} at t = {self._time:g} s: {error}"
+        cause = str(error) if isinstance(error, ValueError) else repr(error)
+        message = f"{self.instance_name}: {call} at t = {self._time:g} s: {cause}"
         self.log(message, Fmi2Status.error)

@@ -17,7 +17,8 @@ import math
 from dataclasses import dataclass
 
 from ..law import elapsed, force_at, inertia_at, torque_at
-from ..quantity import NO_REFERENCE, UNLIMITED, parameter, provided, received
+from ..ports import ForceInput
+from ..quantity import UNLIMITED, parameter, provided, received
 from .kinematics import Geometry, Range, flap, usable_range
 
 PRINTED = "printed: table 3; which link it is, inferred"
@@ -100,25 +101,9 @@ class Params:
 
 
 @dataclass(frozen=True)
-class Input:
+class Input(ForceInput):
     """Force law of the actuator and load law of the wings; plain numbers will do."""
 
-    force_value: float = received(0.0, "N", "Force at the reference point", port="force")
-    force_stiffness: float = received(0.0, "N/m", "-dF/dx", port="force", order=1)
-    force_damping: float = received(0.0, "N.s/m", "-dF/dv", port="force", order=1)
-    force_rate: float = received(0.0, "N/s", "dF/dt at fixed x and v", port="force", order=1)
-    force_curvature: float = received(
-        0.0, "N/s2", "Coefficient of the squared time in the force law", port="force", order=2
-    )
-    force_reference_displacement: float = received(
-        0.0, "m", "Displacement at which the law holds", port="force", order=1
-    )
-    force_reference_velocity: float = received(
-        0.0, "m/s", "Velocity at which the law holds", port="force", order=1
-    )
-    force_reference_time: float = received(
-        NO_REFERENCE, "s", "Time at which the law holds", port="force", order=1
-    )
     load_torque: float = received(
         0.0, "N.m", "Torque on both wings at the reference rate", port="load"
     )

@@ -11,7 +11,8 @@ import math
 from dataclasses import dataclass
 
 from ..law import elapsed
-from ..quantity import NO_REFERENCE, parameter, provided, received
+from ..ports import ForceInput
+from ..quantity import parameter, provided
 
 TERMS = 18
 REACH = 1.0
@@ -32,26 +33,7 @@ class Params:
     start_velocity: float = parameter(0.0, "m/s", "Velocity at start", "chosen: at rest")
 
 
-@dataclass(frozen=True)
-class Input:
-    """Force law of the actuator; a plain number needs `value` alone."""
-
-    force_value: float = received(0.0, "N", "Force at the reference point", port="force")
-    force_stiffness: float = received(0.0, "N/m", "-dF/dx", port="force", order=1)
-    force_damping: float = received(0.0, "N.s/m", "-dF/dv", port="force", order=1)
-    force_rate: float = received(0.0, "N/s", "dF/dt at fixed x and v", port="force", order=1)
-    force_curvature: float = received(
-        0.0, "N/s2", "Coefficient of the squared time in the force law", port="force", order=2
-    )
-    force_reference_displacement: float = received(
-        0.0, "m", "Displacement at which the law holds", port="force", order=1
-    )
-    force_reference_velocity: float = received(
-        0.0, "m/s", "Velocity at which the law holds", port="force", order=1
-    )
-    force_reference_time: float = received(
-        NO_REFERENCE, "s", "Time at which the law holds", port="force", order=1
-    )
+Input = ForceInput
 
 
 @dataclass(frozen=True)

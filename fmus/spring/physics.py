@@ -13,7 +13,8 @@ import math
 from dataclasses import dataclass
 
 from ..law import acceleration_between, elapsed, mean_square
-from ..quantity import NO_REFERENCE, parameter, provided, received
+from ..ports import ActuatorInput
+from ..quantity import parameter, provided
 
 
 @dataclass(frozen=True)
@@ -66,33 +67,7 @@ class Params:
     )
 
 
-@dataclass(frozen=True)
-class Input:
-    """Electrode voltages as laws in time, and the motion of the spacer."""
-
-    top_voltage: float = received(0.0, "V", "Voltage of the top cone", port="top")
-    top_voltage_rate: float = received(0.0, "V/s", "dV/dt of the top cone", port="top", order=1)
-    top_square_curvature: float = received(
-        0.0, "V2/s2", "Coefficient of s^2 in V^2(t) of the top cone", port="top", order=2
-    )
-    top_voltage_time: float = received(
-        NO_REFERENCE, "s", "Time at which the top voltage holds", port="top", order=1
-    )
-    bottom_voltage: float = received(0.0, "V", "Voltage of the bottom cone", port="bottom")
-    bottom_voltage_rate: float = received(
-        0.0, "V/s", "dV/dt of the bottom cone", port="bottom", order=1
-    )
-    bottom_square_curvature: float = received(
-        0.0, "V2/s2", "Coefficient of s^2 in V^2(t) of the bottom cone", port="bottom", order=2
-    )
-    bottom_voltage_time: float = received(
-        NO_REFERENCE, "s", "Time at which the bottom voltage holds", port="bottom", order=1
-    )
-    motion_displacement: float = received(0.0, "m", "Displacement of the spacer", port="motion")
-    motion_velocity: float = received(0.0, "m/s", "Velocity of the spacer", port="motion")
-    motion_reference_time: float = received(
-        NO_REFERENCE, "s", "Time at which the motion holds", port="motion", order=1
-    )
+Input = ActuatorInput
 
 
 @dataclass(frozen=True)
