@@ -38,6 +38,9 @@ def run_command(
     laws: Annotated[
         str | None, typer.Option(help="How much of each port is used: held, affine, curvature.")
     ] = None,
+    kind: Annotated[
+        str | None, typer.Option("--master", help="gauss-seidel, jacobi or iterative.")
+    ] = None,
     fmus: Annotated[Path, typer.Option(help="Folder of the built parts.")] = Path("build/fmus"),
     picture: Annotated[bool, typer.Option(help="Draw a PNG beside the result.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False,
@@ -53,7 +56,9 @@ def run_command(
     target = output or Path("results") / f"{Path(scene).stem}.nc"
     with Interrupt() as interrupt:
         try:
-            plan = load(scene, assignments(set_ or []), fmus, master={"laws": laws} if laws else {})
+            chosen = {"laws": laws, "kind": kind}
+            master = {key: value for key, value in chosen.items() if value}
+            plan = load(scene, assignments(set_ or []), fmus, master=master)
             prepare(target)
             interrupt.check()
             clear(target)

@@ -5,8 +5,14 @@ from __future__ import annotations
 from ..errors import SceneError, nearest
 from .base import Master
 from .gauss_seidel import GaussSeidel
+from .iterative import Iterative
+from .jacobi import Jacobi
 
-MASTERS: dict[str, Master] = {"gauss-seidel": GaussSeidel()}
+MASTERS: dict[str, Master] = {
+    "gauss-seidel": GaussSeidel(),
+    "iterative": Iterative(),
+    "jacobi": Jacobi(),
+}
 
 
 def master(kind: str) -> Master:
@@ -16,4 +22,4 @@ def master(kind: str) -> Master:
     return MASTERS[kind]
 
 
-__all__ = ["MASTERS", "GaussSeidel", "Master", "master"]
+__all__ = ["MASTERS", "GaussSeidel", "Iterative", "Jacobi", "Master", "master"]
