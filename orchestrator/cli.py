@@ -106,6 +106,31 @@ def build_command(context: typer.Context) -> None:
     builder(args=context.args, prog_name="resilin build")
 
 
+@app.command("inspect")
+def inspect_command(
+    scene: Annotated[str, typer.Argument(help="A shipped scene's name, or a TOML file.")],
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", help="Start value, as for run.")
+    ] = None,
+    fmus: Annotated[Path, typer.Option(help="Folder of the built parts.")] = Path("build/fmus"),
+) -> None:
+    """Check a scene and show what it is made of; nothing is loaded or stepped.
+
+    Example: resilin inspect flapping-full-wings
+    """
+    from rich.console import Console
+
+    from .inspection import tables
+    from .run import load
+
+    try:
+        plan = load(scene, assignments(set_ or []), fmus)
+    except ResilinError as error:
+        fail(str(error), error.exit_code)
+    for table in tables(plan):
+        Console().print(table)
+
+
 @app.command("scenes")
 def scenes_command() -> None:
     """List the scenes that come with the package."""

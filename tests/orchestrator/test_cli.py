@@ -74,3 +74,13 @@ def test_help_is_light() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "Example:" in done.stdout
     assert done.stderr.strip() == "[]"
+
+
+def test_inspect_shows_what_is_wired_and_held(library: Path) -> None:
+    done = runner.invoke(app, ["inspect", "flapping-no-wing", "--fmus", str(library)])
+    assert done.exit_code == 0, done.output
+    for word in ("amplifier", "linkage.force", "linkage.load.torque", "0.000588"):
+        assert word in done.output
+    wrong = runner.invoke(app, ["inspect", "flapping-no-wings", "--fmus", str(library)])
+    assert wrong.exit_code == 2
+    assert "did you mean 'flapping-no-wing'" in wrong.output
