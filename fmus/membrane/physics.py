@@ -19,7 +19,7 @@ from ..law import acceleration_between, elapsed
 from ..ports import ActuatorInput
 from ..quantity import parameter, provided
 from . import loss
-from .potential import Potential, extremes, potential
+from .potential import evaluated, extremes
 from .tables import FILMS, PRESTRETCH
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
@@ -274,17 +274,20 @@ def cone(p: Params, height: float, square: float) -> Cone:
     unit = volume(p)
     b = p.outer_radius
     e = loading(p)
-    g: Potential = potential(int(p.film) - 1, height / b, e * square)
+    film = int(p.film) - 1
+    g, gx, ge, gxx, gxe, gee, gxxe, gxee, slack = evaluated(film, height / b, e * square)
+    by_height = unit / b
+    by_square = unit * e
     return Cone(
-        energy=unit * g.p,
-        force=unit * g.px / b,
-        by_square=unit * g.pe * e,
-        stiffness=unit * g.pxx / (b * b),
-        force_by_square=unit * g.pxe * e / b,
-        by_square_twice=unit * g.pee * e * e,
-        stiffness_by_square=unit * g.pxxe * e / (b * b),
-        force_by_square_twice=unit * g.pxee * e * e / b,
-        slack=g.slack,
+        energy=unit * g,
+        force=by_height * gx,
+        by_square=by_square * ge,
+        stiffness=by_height / b * gxx,
+        force_by_square=by_height * e * gxe,
+        by_square_twice=by_square * e * gee,
+        stiffness_by_square=by_height / b * e * gxxe,
+        force_by_square_twice=by_height * e * e * gxee,
+        slack=slack,
     )
 
 

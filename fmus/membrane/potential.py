@@ -15,6 +15,8 @@ from dataclasses import dataclass
 
 from .tables import CELLS_E, CELLS_X, FIELD, HIGHEST, HOOP, LOADING, LOWEST, POTENTIAL
 
+Numbers = tuple[float, float, float, float, float, float, float, float, float]
+
 FIELD_X = 15.0
 FIELD_E = 9.0
 
@@ -77,7 +79,7 @@ def bends(t: float) -> tuple[float, float, float, float, float, float]:
     )
 
 
-def spline(film: int, x: float, e: float) -> Potential:
+def spline(film: int, x: float, e: float) -> Numbers:
     """P and derivatives inside the table's rectangle; both arguments already within it."""
     rows = POTENTIAL[film]
     scale_x = CELLS_X / (HIGHEST[film] - LOWEST[film])
@@ -111,65 +113,66 @@ def spline(film: int, x: float, e: float) -> Potential:
         s0 = c0 * m0 + c1 * m1 + c2 * m2 + c3 * m3 + c4 * m4 + c5 * m5
         s1 = c0 * d0 + c1 * d1 + c2 * d2 + c3 * d3 + c4 * d4 + c5 * d5
         s2 = c0 * b0 + c1 * b1 + c2 * b2 + c3 * b3 + c4 * b4 + c5 * b5
-        p = p + n[i] * s0
-        px = px + n1[i] * s0
-        pxx = pxx + n2[i] * s0
-        pe = pe + n[i] * s1
-        pxe = pxe + n1[i] * s1
-        pxxe = pxxe + n2[i] * s1
-        pee = pee + n[i] * s2
-        pxee = pxee + n1[i] * s2
-    return Potential(
-        p=p,
-        px=px * scale_x,
-        pe=pe * scale_e,
-        pxx=pxx * scale_x * scale_x,
-        pxe=pxe * scale_x * scale_e,
-        pee=pee * scale_e * scale_e,
-        pxxe=pxxe * scale_x * scale_x * scale_e,
-        pxee=pxee * scale_x * scale_e * scale_e,
-        slack=0.0,
+        w = n[i]
+        w1 = n1[i]
+        w2 = n2[i]
+        p = p + w * s0
+        px = px + w1 * s0
+        pxx = pxx + w2 * s0
+        pe = pe + w * s1
+        pxe = pxe + w1 * s1
+        pxxe = pxxe + w2 * s1
+        pee = pee + w * s2
+        pxee = pxee + w1 * s2
+    mixed = scale_x * scale_e
+    return (
+        p,
+        px * scale_x,
+        pe * scale_e,
+        pxx * scale_x * scale_x,
+        pxe * mixed,
+        pee * scale_e * scale_e,
+        pxxe * mixed * scale_x,
+        pxee * mixed * scale_e,
+        0.0,
     )
 
 
-def potential(film: int, x: float, e: float) -> Potential:
-    """P and derivatives at any height; `ValueError` above the table in height or loading."""
+def evaluated(film: int, x: float, e: float) -> Numbers:
+    """The fields of :class:`Potential` in their order, at any height; see :func:`potential`."""
     if e > LOADING[film]:
         raise ValueError("the voltage is above the membrane's table: near or past pull-in")
     if x > HIGHEST[film]:
         raise ValueError("a cone is higher than the membrane's table: no stable equilibrium nearby")
     low = LOWEST[film]
+    load = max(0.0, e)
     if x >= low:
-        return spline(film, x, max(0.0, e))
-    edge = spline(film, low, max(0.0, e))
-    stiffness = spline(film, low, 0.0).pxx
+        return spline(film, x, load)
+    p, px, pe, _, pxe, pee, _, pxee, _ = spline(film, low, load)
+    stiffness = spline(film, low, 0.0)[3]
     reach = x - low
-    slack = 1.0
-    if edge.px + stiffness * reach <= 0.0:
-        reach = -edge.px / stiffness
-        slack = 2.0
-    if slack == 1.0:
-        return Potential(
-            p=edge.p + (edge.px + 0.5 * stiffness * reach) * reach,
-            px=edge.px + stiffness * reach,
-            pe=edge.pe + edge.pxe * reach,
-            pxx=stiffness,
-            pxe=edge.pxe,
-            pee=edge.pee + edge.pxee * reach,
-            pxxe=0.0,
-            pxee=edge.pxee,
-            slack=slack,
+    if px + stiffness * reach > 0.0:
+        return (
+            p + (px + 0.5 * stiffness * reach) * reach,
+            px + stiffness * reach,
+            pe + pxe * reach,
+            stiffness,
+            pxe,
+            pee + pxee * reach,
+            0.0,
+            pxee,
+            1.0,
         )
+    reach = -px / stiffness
+    curve = pee + pxee * reach - pxe * pxe / stiffness
+    return p + 0.5 * px * reach, 0.0, pe + pxe * reach, 0.0, 0.0, curve, 0.0, 0.0, 2.0
+
+
+def potential(film: int, x: float, e: float) -> Potential:
+    """P and derivatives at any height; `ValueError` above the table in height or loading."""
+    p, px, pe, pxx, pxe, pee, pxxe, pxee, slack = evaluated(film, x, e)
     return Potential(
-        p=edge.p + 0.5 * edge.px * reach,
-        px=0.0,
-        pe=edge.pe + edge.pxe * reach,
-        pxx=0.0,
-        pxe=0.0,
-        pee=edge.pee + edge.pxee * reach - edge.pxe * edge.pxe / stiffness,
-        pxxe=0.0,
-        pxee=0.0,
-        slack=slack,
+        p=p, px=px, pe=pe, pxx=pxx, pxe=pxe, pee=pee, pxxe=pxxe, pxee=pxee, slack=slack
     )
 
 
