@@ -42,6 +42,7 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
         for name, part in parts.items()
         for key, value in scenario.components[name].start.items()
     }
+    start["elasticity"] = "membrane" if "membrane" in parts.values() else "spring"
     start["mechanism"] = "linkage" if "linkage" in parts.values() else "payload"
     start["wings"] = "aero" if "aero" in parts.values() else "none"
     return _renamed(scenario, plan, start, library)

@@ -15,6 +15,9 @@ from ..aero import physics as aero
 from ..amplifier import physics as amplifier
 from ..linkage import physics as linkage
 from ..linkage.kinematics import Range, flap
+from ..membrane import loss
+from ..membrane import physics as membrane
+from ..membrane.tables import LOADING
 from ..payload import physics as payload
 from ..quantity import UNLIMITED
 from ..spring import physics as spring
@@ -36,13 +39,18 @@ FIELDS = (
     "friction_loss",
     "stop_loss",
     "load_work",
+    "u0",
+    "u1",
+    "u2",
+    "u3",
 )
 """Names of the entries of the state vector, in order."""
 
-SCALES = (1e3, 1e3, 1e-6, 1e-6, 1e-3, 1e-1, *(1e-2,) * 10)
+SCALES = (1e3, 1e3, 1e-6, 1e-6, 1e-3, 1e-1, *(1e-2,) * 10, *(1e-3,) * 4)
 """Sizes of the entries in use [SI], for absolute tolerances."""
 
 IDEAL_RESISTANCE = 1.0e-3
+NEWTON = 40
 
 
 @dataclass(frozen=True)
@@ -50,7 +58,8 @@ class Composition:
     """Which parts there are, and their parameters; `None` for a part left out."""
 
     amplifier: amplifier.Params
-    spring: spring.Params
+    spring: spring.Params | None
+    membrane: membrane.Params | None
     payload: payload.Params | None
     linkage: linkage.Params | None
     aero: aero.Params | None
@@ -59,9 +68,55 @@ class Composition:
 
 def voltages(c: Composition, y: Any) -> tuple[float, float]:
     """Voltages of both electrodes [V] from their charges and the displacement."""
-    top = y[2] / spring.capacitance(c.spring, 1.0, y[4])
-    bottom = y[3] / spring.capacitance(c.spring, -1.0, y[4])
-    return float(top), float(bottom)
+    if c.membrane is not None:
+        half = 0.5 * c.membrane.spacer
+        top = film_voltage(c.membrane, half + float(y[4]), float(y[2]))
+        return top, film_voltage(c.membrane, half - float(y[4]), float(y[3]))
+    if c.spring is None:
+        raise ValueError("the composition has no actuator")
+    top = float(y[2] / spring.capacitance(c.spring, 1.0, y[4]))
+    return top, float(y[3] / spring.capacitance(c.spring, -1.0, y[4]))
+
+
+def film_voltage(p: membrane.Params, height: float, charge: float) -> float:
+    """Voltage [V] at which a cone carries a charge [C]: Newton's method on Q(V) = -2 V dPi/dE,
+    kept within the film's table."""
+    most = math.sqrt(LOADING[int(p.film) - 1] / membrane.loading(p)) * (1.0 - 1e-9)
+    voltage = -0.5 * charge / membrane.cone(p, height, 0.0).by_square
+    for _ in range(NEWTON):
+        voltage = max(-most, min(most, voltage))
+        here = membrane.cone(p, height, voltage * voltage)
+        slope = -2.0 * here.by_square - 4.0 * voltage * voltage * here.by_square_twice
+        change = (charge + 2.0 * voltage * here.by_square) / slope
+        voltage += change
+        if abs(change) < 1e-12 * (1.0 + abs(voltage)):
+            return voltage
+    raise ValueError("no voltage belongs to the charge of a cone: near or past pull-in")
+
+
+def actuator(c: Composition, y: Any, top: float, bottom: float) -> tuple[float, float, list[float]]:
+    """Force on the mechanism [N], loss [W], and the rates of the relaxation branches [m/s]."""
+    x, v = float(y[4]), float(y[5])
+    if c.membrane is None:
+        if c.spring is None:
+            raise ValueError("the composition has no actuator")
+        pull = spring.force_per_square(c.spring) * (top * top - bottom * bottom)
+        force = spring.passive_force(c.spring, x, v) + pull
+        return force, spring.damping(c.spring) * v * v, [0.0] * 4
+    p = c.membrane
+    half = 0.5 * p.spacer
+    upper = membrane.cone(p, half + x, top * top)
+    lower = membrane.cone(p, half - x, bottom * bottom)
+    passive = 2.0 * membrane.cone(p, half, 0.0).stiffness
+    eta = loss.scale(p.loss_factor, p.loss_frequency) * passive
+    branches = [float(u) for u in y[16:20]]
+    rates = [g * v - u / tau for g, tau, u in zip(loss.WEIGHTS, loss.TIMES, branches, strict=True)]
+    lost = sum(
+        u * u / (g * tau) for g, tau, u in zip(loss.WEIGHTS, loss.TIMES, branches, strict=True)
+    )
+    force = lower.force - upper.force - p.damping * v - eta * sum(branches)
+    force += eta * loss.storage(p.storage_frequency) * x
+    return force, eta * lost + p.damping * v * v, rates
 
 
 def currents(c: Composition, y: Any, drives: tuple[float, float]) -> tuple[float, float]:
@@ -109,9 +164,7 @@ def right_hand_side(
         i_top, i_bottom = currents(c, y, drives)
         resistance = max(p.resistance, IDEAL_RESISTANCE)
         x, v = float(y[4]), float(y[5])
-        force = spring.passive_force(c.spring, x, v) + spring.force_per_square(c.spring) * (
-            top * top - bottom * bottom
-        )
+        force, lost, relaxing = actuator(c, y, top, bottom)
         motion = mechanics(c, x, v, force)
         return [
             slews[0],
@@ -124,12 +177,13 @@ def right_hand_side(
             resistance * i_top * i_top,
             bottom * i_bottom + resistance * i_bottom * i_bottom,
             resistance * i_bottom * i_bottom,
-            spring.damping(c.spring) * v * v,
+            lost,
             motion.force_power,
             motion.viscous_power,
             motion.friction_power,
             motion.stop_power,
             motion.load_power,
+            *relaxing,
         ]
 
     return derivative

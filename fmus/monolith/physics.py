@@ -16,7 +16,9 @@ from ..aero import physics as aero
 from ..amplifier import physics as amplifier
 from ..linkage import physics as linkage
 from ..linkage.kinematics import Range, flap, usable_range
+from ..membrane import physics as membrane
 from ..payload import physics as payload
+from ..ports import ActuatorInput
 from ..quantity import Quantity, parameter, quantities
 from ..spring import physics as spring
 from . import equations
@@ -24,6 +26,7 @@ from . import equations
 PARTS = {
     "amplifier": amplifier,
     "spring": spring,
+    "membrane": membrane,
     "payload": payload,
     "linkage": linkage,
     "aero": aero,
@@ -52,6 +55,11 @@ _OWN = [
         "mechanism",
         float,
         parameter(2.0, "1", "Mechanism driven", "chosen", choices=("payload", "linkage")),
+    ),
+    (
+        "elasticity",
+        float,
+        parameter(1.0, "1", "Actuator model", "chosen", choices=("spring", "membrane")),
     ),
     ("wings", float, parameter(2.0, "1", "Air load", "chosen", choices=("none", "aero"))),
     (
@@ -100,7 +108,8 @@ def _composition(p: Any, x: Any) -> equations.Composition:
     travel = None if driven else Range(**{name: getattr(x, name) for name in _TRAVEL})
     return equations.Composition(
         amplifier=_of("amplifier", p),
-        spring=_of("spring", p),
+        spring=_of("spring", p) if p.elasticity == 1.0 else None,
+        membrane=_of("membrane", p) if p.elasticity == 2.0 else None,
         payload=_of("payload", p) if driven else None,
         linkage=None if driven else _of("linkage", p),
         aero=_of("aero", p) if p.wings == 2.0 and not driven else None,
@@ -137,7 +146,7 @@ def advance(p: Any, x: Any, u: Any, t: float, h: float) -> Any:
     c = _composition(p, x)
     drive = _drive(u)
     y = [getattr(x, name) for name in equations.FIELDS]
-    lag = c.amplifier.resistance * c.spring.capacitance
+    lag = c.amplifier.resistance * (1e-9 if c.spring is None else c.spring.capacitance)
     stiff = lag < STIFF or c.amplifier.bandwidth < 1.0e29
     begin = t
     stop = t + h
@@ -183,19 +192,6 @@ def _observed(p: Any, x: Any, u: Any, t: float) -> dict[str, Any]:
     y = [getattr(x, name) for name in equations.FIELDS]
     top, bottom = equations.voltages(c, y)
     rates = equations.right_hand_side(c, _drive(u), t)(t, y)
-    spring_input = spring.Input(
-        top_voltage=top,
-        bottom_voltage=bottom,
-        motion_displacement=x.displacement,
-        motion_velocity=x.velocity,
-        motion_reference_time=t,
-    )
-    spring_state = spring.State(
-        dissipated_energy=x.spring_loss,
-        sample_time=t,
-        sample_displacement=x.displacement,
-        sample_velocity=x.velocity,
-    )
     channels = {
         f"{side}_{name}": value
         for side, voltage, current in (("top", top, rates[2]), ("bottom", bottom, rates[3]))
@@ -215,7 +211,7 @@ def _observed(p: Any, x: Any, u: Any, t: float) -> dict[str, Any]:
         "amplifier": amplifier.observe(
             c.amplifier, amplifier.State(**channels), amplifier.Input(), t
         ),
-        "spring": spring.observe(c.spring, spring_state, spring_input, t),
+        **_actuator(c, x, top, bottom, t),
     }
     if c.payload is not None:
         at_rest = payload.State(
@@ -241,6 +237,34 @@ def _observed(p: Any, x: Any, u: Any, t: float) -> dict[str, Any]:
     if c.aero is not None:
         found["aero"] = aero.observe(c.aero, _seen(x), _wing(found["linkage"], t), t)
     return found
+
+
+def _actuator(
+    c: equations.Composition, x: Any, top: float, bottom: float, t: float
+) -> dict[str, Any]:
+    """Output of the actuator that is there."""
+    u = ActuatorInput(
+        top_voltage=top,
+        bottom_voltage=bottom,
+        motion_displacement=x.displacement,
+        motion_velocity=x.velocity,
+        motion_reference_time=t,
+    )
+    if c.spring is not None:
+        held = spring.State(
+            dissipated_energy=x.spring_loss,
+            sample_time=t,
+            sample_displacement=x.displacement,
+            sample_velocity=x.velocity,
+        )
+        return {"spring": spring.observe(c.spring, held, u, t)}
+    if c.membrane is None:
+        return {}
+    relaxed = dataclasses.replace(
+        membrane.initial(c.membrane, u, t), u0=x.u0, u1=x.u1, u2=x.u2, u3=x.u3,
+        viscous_loss=x.spring_loss,
+    )  # fmt: skip
+    return {"membrane": membrane.observe(c.membrane, relaxed, u, t)}
 
 
 def observe(p: Any, x: Any, u: Any, t: float) -> Any:

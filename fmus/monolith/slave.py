@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from ..membrane import slave as membrane
 from ..part import Part
 from ..slave import PhysicsSlave
 from . import physics
 
 PART = Part(
     "monolith",
-    "Amplifier, spring, mechanism and wings as one ODE: the reference solution",
+    "Amplifier, actuator, mechanism and wings as one ODE: the reference solution",
     physics,
     step=1.0e-3,
     needs=("scipy",),
-    includes=("amplifier", "spring", "payload", "linkage", "aero"),
+    includes=("amplifier", "spring", "membrane", "payload", "linkage", "aero"),
+    generated=membrane.PART.generated,
 )
 
 

@@ -59,7 +59,9 @@ def against_monolith(library: Path, scene: str, laws: str, steps: int, cycles: i
     return worst
 
 
-@pytest.mark.parametrize("scene", [*FLAPPING, *(f"oscillator-{k}" for k in range(1, 6))])
+@pytest.mark.parametrize(
+    "scene", [*FLAPPING, *(f"oscillator-{k}" for k in range(1, 6)), "bench-silicone"]
+)
 def test_a_thousandth_at_fifty_steps_per_cycle(library: Path, scene: str) -> None:
     assert against_monolith(library, scene, "curvature", 50, 6) < 1e-3
 
