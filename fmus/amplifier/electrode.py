@@ -17,6 +17,8 @@ from .relaxation import relaxed, segment
 IDEAL = 1.0e-3
 """Resistance [Ohm] at and below which an electrode is ideal; the energy of a jump stays exact."""
 
+ITERATIONS = 20
+
 SMOOTH = 0.05
 """Span over time constant below which the exchange is a smooth integrand."""
 
@@ -26,13 +28,15 @@ NODE = 0.7745966692414834
 
 @dataclass(frozen=True)
 class Law:
-    """Charge law Q + i_m s + k s^2 + (C + C' s)(V - V_r), with s the time since it held."""
+    """Charge law Q + i_m s + k s^2 + (C + C' s - 2 B V_r^2)(V - V_r) + B (V^2 - V_r^2) V, with s
+    the time since it held; B is the derivative of Q/V by V^2."""
 
     charge: float
     capacitance: float
     motional_current: float
     capacitance_rate: float
     charge_curvature: float
+    by_square: float
     reference_voltage: float
 
 
@@ -55,24 +59,58 @@ def shifted(law: Law, s: float) -> float:
 
 def charge_at(law: Law, level: float, s: float) -> float:
     """Charge [C] at a voltage, `s` [s] after the law held."""
+    reference = law.reference_voltage
     slope = law.capacitance + law.capacitance_rate * s
-    return shifted(law, s) + slope * (level - law.reference_voltage)
+    slope = slope - 2.0 * law.by_square * reference * reference
+    bend = law.by_square * (level * level - reference * reference) * level
+    return shifted(law, s) + slope * (level - reference) + bend
+
+
+def slope_at(law: Law, level: float, s: float) -> float:
+    """dQ/dV [F] at a voltage; `ValueError` where it is no longer positive."""
+    reference = law.reference_voltage
+    slope = law.capacitance + law.capacitance_rate * s
+    slope = slope + 3.0 * law.by_square * (level * level - reference * reference)
+    if slope <= 0.0:
+        raise ValueError("an electrode's capacitance falls to zero within the step")
+    return slope
 
 
 def voltage(law: Law, charge: float, s: float) -> float:
-    """Voltage [V] at a charge; `ValueError` where the capacitance is no longer positive."""
-    slope = law.capacitance + law.capacitance_rate * s
-    if slope <= 0.0:
-        raise ValueError("an electrode's capacitance falls to zero within the step")
-    return law.reference_voltage + (charge - shifted(law, s)) / slope
+    """Voltage [V] at a charge, by Newton's method; one iteration where Q is linear in V."""
+    level = law.reference_voltage
+    for i in range(ITERATIONS):
+        change = (charge - charge_at(law, level, s)) / slope_at(law, level, s)
+        level = level + change
+        if law.by_square == 0.0 or math.fabs(change) < 1.0e-10 * (1.0 + math.fabs(level)):
+            break
+    return level
 
 
 def voltage_rate(law: Law, level: float, current: float, s: float) -> float:
     """dV/dt [V/s] at a voltage and current."""
-    slope = law.capacitance + law.capacitance_rate * s
     moved = law.motional_current + 2.0 * law.charge_curvature * s
     moved = moved + law.capacitance_rate * (level - law.reference_voltage)
-    return (current - moved) / slope
+    return (current - moved) / slope_at(law, level, s)
+
+
+def chord(law: Law, charge: float, aim: float, s: float) -> Law:
+    """Law that is linear in V from the present charge to the voltage aimed at, `s` after the
+    law held: exact at both ends, where a tangent would miss the charge of a large jump."""
+    here = voltage(law, charge, s)
+    slope = slope_at(law, here, s)
+    if math.fabs(aim - here) > 1.0e-6 * (1.0 + math.fabs(here)):
+        slope = (charge_at(law, aim, s) - charge) / (aim - here)
+    moved = law.motional_current + 2.0 * law.charge_curvature * s
+    return Law(
+        charge=charge - moved * s,
+        capacitance=max(slope, 0.1 * law.capacitance),
+        motional_current=moved,
+        capacitance_rate=0.0,
+        charge_curvature=0.0,
+        by_square=0.0,
+        reference_voltage=here,
+    )
 
 
 def frozen(law: Law, s: float) -> Law:
@@ -83,6 +121,7 @@ def frozen(law: Law, s: float) -> Law:
         motional_current=law.motional_current,
         capacitance_rate=0.0,
         charge_curvature=law.charge_curvature,
+        by_square=0.0,
         reference_voltage=law.reference_voltage,
     )
 

@@ -17,11 +17,23 @@ from dataclasses import dataclass
 
 from ..law import elapsed
 from ..quantity import NO_REFERENCE, UNLIMITED, parameter, provided, received
-from .electrode import Electrode, Law, charge_at, charged, frozen, voltage, voltage_rate
+from .electrode import (
+    Electrode,
+    Law,
+    charge_at,
+    charged,
+    chord,
+    frozen,
+    voltage,
+    voltage_rate,
+)
 from .relaxation import limited
 from .waveform import CHOICES, CONSTANT, EXTERNAL, SQUARE, envelope, next_edge, piece_end, shape
 
 PHASE_STEP = 0.1
+LEAP = 0.02
+"""Change of voltage over the amplitude above which a curved charge law is cut into chords."""
+
 MOST_PIECES = 10000.0
 
 
@@ -84,6 +96,9 @@ class Input:
         0.0, "A", "dQ/dx times velocity, top", port="top", order=1
     )
     top_capacitance_rate: float = received(0.0, "F/s", "Rate of dQ/dV, top", port="top", order=2)
+    top_capacitance_by_square: float = received(
+        0.0, "F/V2", "Derivative of Q/V by V^2, top", port="top", order=2
+    )
     top_charge_curvature: float = received(
         0.0, "A/s", "Coefficient of s^2 in the charge, top", port="top", order=2
     )
@@ -102,6 +117,9 @@ class Input:
     )
     bottom_capacitance_rate: float = received(
         0.0, "F/s", "Rate of dQ/dV, bottom", port="bottom", order=2
+    )
+    bottom_capacitance_by_square: float = received(
+        0.0, "F/V2", "Derivative of Q/V by V^2, bottom", port="bottom", order=2
     )
     bottom_charge_curvature: float = received(
         0.0, "A/s", "Coefficient of s^2 in the charge, bottom", port="bottom", order=2
@@ -228,6 +246,7 @@ def law_of(u: Input, side: float) -> Law:
             motional_current=u.top_motional_current,
             capacitance_rate=u.top_capacitance_rate,
             charge_curvature=u.top_charge_curvature,
+            by_square=u.top_capacitance_by_square,
             reference_voltage=u.top_reference_voltage,
         )
     else:
@@ -237,6 +256,7 @@ def law_of(u: Input, side: float) -> Law:
             motional_current=u.bottom_motional_current,
             capacitance_rate=u.bottom_capacitance_rate,
             charge_curvature=u.bottom_charge_curvature,
+            by_square=u.bottom_capacitance_by_square,
             reference_voltage=u.bottom_reference_voltage,
         )
     if law.capacitance <= 0.0:
@@ -251,9 +271,11 @@ def law_age(u: Input, side: float, t: float) -> float:
     return elapsed(t, u.bottom_charge_time)
 
 
-def substeps(p: Params, t: float, span: float) -> float:
+def substeps(p: Params, t: float, span: float, curved: bool) -> float:
     """Number of parabolas that follow the drive over a smooth piece of `span` [s]."""
     count = 1.0
+    if curved:
+        count = 8.0
     if p.waveform != CONSTANT and p.waveform != SQUARE and p.waveform != EXTERNAL:
         count = max(count, math.ceil(2.0 * math.pi * p.frequency * span / PHASE_STEP))
     if t < p.soft_start:
@@ -299,9 +321,12 @@ def advance_channel(
         pieces = pieces + 1.0
         if pieces > MOST_PIECES:
             raise ValueError("the communication step spans more than 10000 edges of the drive")
-        count = substeps(p, piece_start, end - piece_start)
-        span = (end - piece_start) / count
         inside = 0.5 * (piece_start + end)
+        aim = command(p, u, side, end, inside)
+        here = voltage(moving, e.charge, age + (piece_start - t))
+        curved = moving.by_square != 0.0 and math.fabs(aim - here) > LEAP * p.amplitude
+        count = substeps(p, piece_start, end - piece_start, curved)
+        span = (end - piece_start) / count
         for i in range(int(count)):
             start = piece_start + float(i) * span
             v0 = command(p, u, side, start, inside)
@@ -326,6 +351,9 @@ def advance_channel(
             if p.power_limit < UNLIMITED:
                 aim = v0 + 0.5 * (v1 + 0.5 * v2 * span) * span
                 bound = power_bound(p, law, voltage(law, e.charge, since), aim, span)
+            if moving.by_square != 0.0:
+                last = v0 + (v1 + v2 * span) * span
+                law = chord(moving, e.charge, last, since + 0.5 * span)
             e = charged(e, law, since, p.resistance, bound, v0, v1, v2, span)
         piece_start = end
     ended = voltage(moving, e.charge, age + h)

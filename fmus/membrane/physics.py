@@ -183,6 +183,13 @@ class Output:
         order=2,
         depends=(*_TOP, "motion"),
     )
+    top_capacitance_by_square: float = provided(
+        "F/V2",
+        "Derivative of Q/V by V^2, top cone",
+        port="top",
+        order=2,
+        depends=(*_TOP, "motion"),
+    )
     top_charge_curvature: float = provided(
         "A/s",
         "Coefficient of the squared time in the charge law, top cone",
@@ -212,6 +219,13 @@ class Output:
     bottom_capacitance_rate: float = provided(
         "F/s",
         "Rate of dQ/dV by the motion, bottom cone",
+        port="bottom",
+        order=2,
+        depends=(*_BOTTOM, "motion"),
+    )
+    bottom_capacitance_by_square: float = provided(
+        "F/V2",
+        "Derivative of Q/V by V^2, bottom cone",
         port="bottom",
         order=2,
         depends=(*_BOTTOM, "motion"),
@@ -433,6 +447,7 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         top_capacitance_rate=-2.0
         * (top.force_by_square + 2.0 * vt * vt * top.force_by_square_twice)
         * velocity,
+        top_capacitance_by_square=-2.0 * top.by_square_twice,
         top_charge_curvature=-vt
         * (top.stiffness_by_square * velocity * velocity + top.force_by_square * acceleration),
         top_reference_voltage=vt,
@@ -443,6 +458,7 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         bottom_capacitance_rate=2.0
         * (bottom.force_by_square + 2.0 * vb * vb * bottom.force_by_square_twice)
         * velocity,
+        bottom_capacitance_by_square=-2.0 * bottom.by_square_twice,
         bottom_charge_curvature=-vb
         * (
             bottom.stiffness_by_square * velocity * velocity - bottom.force_by_square * acceleration

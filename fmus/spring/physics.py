@@ -133,6 +133,12 @@ class Output:
         order=2,
         depends=("motion.velocity",),
     )
+    top_capacitance_by_square: float = provided(
+        "F/V2",
+        "Derivative of Q/V by V^2, top cone",
+        port="top",
+        order=2,
+    )
     top_charge_curvature: float = provided(
         "A/s",
         "Coefficient of the squared time in the charge law, top cone",
@@ -165,6 +171,12 @@ class Output:
         port="bottom",
         order=2,
         depends=("motion.velocity",),
+    )
+    bottom_capacitance_by_square: float = provided(
+        "F/V2",
+        "Derivative of Q/V by V^2, bottom cone",
+        port="bottom",
+        order=2,
     )
     bottom_charge_curvature: float = provided(
         "A/s",
@@ -293,6 +305,7 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         top_capacitance=top_capacitance,
         top_motional_current=2.0 * slope * velocity * top,
         top_capacitance_rate=2.0 * slope * velocity,
+        top_capacitance_by_square=0.0,
         top_charge_curvature=slope * acceleration * top,
         top_reference_voltage=top,
         top_charge_time=t,
@@ -300,6 +313,7 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         bottom_capacitance=bottom_capacitance,
         bottom_motional_current=-2.0 * slope * velocity * bottom,
         bottom_capacitance_rate=-2.0 * slope * velocity,
+        bottom_capacitance_by_square=0.0,
         bottom_charge_curvature=-slope * acceleration * bottom,
         bottom_reference_voltage=bottom,
         bottom_charge_time=t,

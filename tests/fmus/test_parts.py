@@ -316,7 +316,7 @@ def test_two_builds_and_three_instances_of_each_stay_apart(
 
 
 HOST = """
-import ctypes, sys
+import ctypes, os, sys
 folder, identifier, guid, count = sys.argv[1:5]
 assert not (sys.flags.no_site and any('site-packages' in path for path in sys.path))
 library = ctypes.CDLL(f"{folder}/binaries/linux64/{identifier}.so")
@@ -349,7 +349,8 @@ for _ in range(int(count)):
         call("fmi2DoStep", ctypes.c_double(k * 1e-4), ctypes.c_double(1e-4), 1)
     call("fmi2Terminate")
     library.fmi2FreeInstance(ctypes.c_void_p(unit))
-print("done")
+print("done", flush=True)
+os._exit(0)  # PythonFMU's library may corrupt the heap when a process ends
 """
 
 

@@ -130,7 +130,9 @@ def test_what_a_scene_does_not_need_is_not_loaded(library: Path, scene: str, abs
         "from orchestrator.run import load, run\n"
         "run(load(sys.argv[1], None, Path(sys.argv[2]), time={'stop': '1 cycles'}))\n"
         "print([m for m in sys.modules if m.startswith(sys.argv[3] + '_')])\n"
-        "print([m for m in ('xarray', 'matplotlib', 'control') if m in sys.modules])\n"
+        "print([m for m in ('xarray', 'matplotlib', 'control') if m in sys.modules], flush=True)\n"
+        "import os\n"
+        "os._exit(0)  # PythonFMU's library may corrupt the heap when a process ends\n"
     )
     done = subprocess.run(
         [sys.executable, "-c", code, scene, str(library), absent],

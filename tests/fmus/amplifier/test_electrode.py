@@ -41,6 +41,7 @@ def random_case(seed: int) -> tuple[Law, float, float, float, tuple[float, float
         capacitance=capacitance,
         motional_current=rng.uniform(-1, 1) * capacitance * 100 / span,
         capacitance_rate=0.0,
+        by_square=0.0,
         charge_curvature=rng.uniform(-1, 1) * capacitance * 30 / span / span,
         reference_voltage=rng.uniform(0, 100),
     )
@@ -77,6 +78,7 @@ def test_no_blow_up_and_energy_closes(resistance: float, capacitance: float, spa
         capacitance=capacitance,
         motional_current=0.0,
         capacitance_rate=0.0,
+        by_square=0.0,
         charge_curvature=0.0,
         reference_voltage=0.0,
     )
@@ -94,6 +96,7 @@ def test_an_ideal_jump_costs_half_of_what_it_takes() -> None:
         capacitance=1e-9,
         motional_current=0.0,
         capacitance_rate=0.0,
+        by_square=0.0,
         charge_curvature=0.0,
         reference_voltage=0.0,
     )
@@ -108,6 +111,7 @@ def test_the_current_limit_holds_and_is_left_again() -> None:
         capacitance=1e-9,
         motional_current=0.0,
         capacitance_rate=0.0,
+        by_square=0.0,
         charge_curvature=0.0,
         reference_voltage=0.0,
     )
