@@ -7,6 +7,7 @@ rounds, at last `close`. After a `UnitFailure` a unit is broken: only `close` ma
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import itertools
 import os
@@ -83,12 +84,14 @@ class Unit:
             )
         cwd = Path.cwd()
         try:
-            return self._api.FMU2Slave(
+            loaded = self._api.FMU2Slave(
                 guid=self.interface.guid,
                 unzipDirectory=str(folder),
                 modelIdentifier=identifier,
                 instanceName=self.name,
             )
+            _end_in_order(loaded.dll)
+            return loaded
         except Exception as error:
             message = printable(str(error), most=400)
             raise FmuError(f"{self.interface.path}: cannot be loaded: {message}") from None
@@ -273,6 +276,21 @@ def _route(
     unit = _listeners.get(environment or 0)
     if unit is not None:
         unit.log(status, message)
+
+
+_ending: set[int] = set()
+
+
+def _end_in_order(library: Any) -> None:
+    """Have PythonFMU's interpreter state freed while the process is still whole.
+
+    Its library frees that state twice when the process takes it down, which corrupts the
+    heap and may abort a process that has done its work; freed before, it is null by then.
+    """
+    finish = getattr(library, "finalizePythonInterpreter", None)
+    if finish is not None and library._handle not in _ending:
+        _ending.add(library._handle)
+        atexit.register(finish)
 
 
 def _location(folder: Path, tool: str) -> str:
