@@ -29,10 +29,17 @@ def load(
     """Checked plan of a scene, by name or path, with `component.parameter` values changed."""
     scenario, path = load_scenario(scene, changes, **options)
     try:
-        master(scenario.master.kind)
+        method = master(scenario.master.kind)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
-    return check(scenario, path, library)
+    plan = check(scenario, path, library)
+    unable = [name for name, interface in plan.interfaces.items() if not interface.rollback]
+    if method.needs_rollback and unable:
+        raise SceneError(
+            f"{path}: master.kind: {scenario.master.kind} needs rollback, which"
+            f" {', '.join(unable)} cannot do; gauss-seidel works without it"
+        )
+    return plan
 
 
 def run(plan: Plan, *, progress: bool = False, interrupt: Interrupt | None = None) -> Outcome:

@@ -322,9 +322,11 @@ def advance_channel(
         if pieces > MOST_PIECES:
             raise ValueError("the communication step spans more than 10000 edges of the drive")
         inside = 0.5 * (piece_start + end)
-        aim = command(p, u, side, end, inside)
-        here = voltage(moving, e.charge, age + (piece_start - t))
-        curved = moving.by_square != 0.0 and math.fabs(aim - here) > LEAP * p.amplitude
+        curved = False
+        if moving.by_square != 0.0:
+            aim = command(p, u, side, end, inside)
+            here = voltage(moving, e.charge, age + (piece_start - t))
+            curved = math.fabs(aim - here) > LEAP * p.amplitude
         count = substeps(p, piece_start, end - piece_start, curved)
         span = (end - piece_start) / count
         for i in range(int(count)):

@@ -93,7 +93,8 @@ Input = ActuatorInput
 @dataclass(frozen=True)
 class State:
     """Relaxation branches, losses [J over stiffness], the last motion sample, and constants:
-    passive stiffness of the double cone [N/m] and its potential at rest [J]."""
+    loss stiffness eta K and the relief that levels the branches' storage [N/m], and the
+    potential at rest [J]."""
 
     u0: float
     u1: float
@@ -105,7 +106,8 @@ class State:
     sample_displacement: float
     sample_velocity: float
     interval: float
-    stiffness: float
+    loss_stiffness: float
+    relief: float
     rest: float
 
 
@@ -313,6 +315,7 @@ def branches(x: State) -> loss.Branches:
 def initial(p: Params, u: Input, t: float) -> State:
     """Relaxed branches; `ValueError` where the neutral pose is not in the film's table."""
     centre = cone(p, 0.5 * p.spacer, 0.0)
+    eta = 2.0 * centre.stiffness * loss.scale(p.loss_factor, p.loss_frequency)
     return State(
         u0=0.0,
         u1=0.0,
@@ -324,7 +327,8 @@ def initial(p: Params, u: Input, t: float) -> State:
         sample_displacement=u.motion_displacement,
         sample_velocity=u.motion_velocity,
         interval=0.0,
-        stiffness=2.0 * centre.stiffness,
+        loss_stiffness=eta,
+        relief=eta * loss.storage(p.storage_frequency),
         rest=2.0 * centre.energy,
     )
 
@@ -358,7 +362,8 @@ def sampled(p: Params, x: State, u: Input, t: float) -> State:
         sample_displacement=u.motion_displacement,
         sample_velocity=u.motion_velocity,
         interval=span,
-        stiffness=x.stiffness,
+        loss_stiffness=x.loss_stiffness,
+        relief=x.relief,
         rest=x.rest,
     )
 
@@ -407,13 +412,13 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
     top = cone(p, 0.5 * p.spacer + displacement, vt * vt)
     bottom = cone(p, 0.5 * p.spacer - displacement, vb * vb)
 
-    eta = loss.scale(p.loss_factor, p.loss_frequency) * x.stiffness
+    eta = x.loss_stiffness
     before = branches(now)
     b = before
     if ahead > 0.0 and eta > 0.0:
         b = loss.moved(b, velocity, velocity, velocity, ahead)
     answer = loss.reaction(before, b, velocity, ahead, max(now.interval, ahead))
-    relief = eta * loss.storage(p.storage_frequency)
+    relief = x.relief
     held = relief * displacement - eta * answer.value - p.damping * velocity
 
     et, eb = loading(p) * vt * vt, loading(p) * vb * vb

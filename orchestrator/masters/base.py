@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from ..system import System
 
@@ -11,7 +11,10 @@ class Master(Protocol):
     """Takes a system from one communication point to the next.
 
     After `advance(system, time, size)` every value in `system.values` holds at
-    `time + size`. A master keeps nothing between calls.
+    `time + size`. A master keeps nothing between calls. One that `needs_rollback` is refused
+    at load where a unit cannot roll back.
     """
+
+    needs_rollback: ClassVar[bool]
 
     def advance(self, system: System, time: float, size: float) -> None: ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ..system import System
 
@@ -20,6 +21,8 @@ class GaussSeidel:
     At the end the units whose outputs follow their inputs are read again with the inputs of
     the new communication point, so that what is recorded holds at its time label.
     """
+
+    needs_rollback: ClassVar[bool] = False
 
     def advance(self, system: System, time: float, size: float) -> None:
         for member in system.members:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from ..errors import Divergence, SceneError
+from ..errors import Divergence
 from ..system import System
 
 
@@ -21,20 +22,11 @@ class Iterative:
     Needs rollback in every unit. `tolerance` is relative to the largest value seen.
     """
 
+    needs_rollback: ClassVar[bool] = True
     tolerance: float = 1e-9
     most: int = 30
 
-    def check(self, system: System) -> None:
-        """Raise `SceneError` where a unit cannot roll back."""
-        unable = [m.unit.name for m in system.members if not m.unit.interface.rollback]
-        if unable:
-            raise SceneError(
-                f"{system.plan.path}: master.kind: iterative needs rollback, which"
-                f" {', '.join(unable)} cannot do; gauss-seidel works with it"
-            )
-
     def advance(self, system: System, time: float, size: float) -> None:
-        self.check(system)
         saved = [(member.unit, member.unit.save()) for member in system.members]
         try:
             for index in range(self.most):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ..system import System
 
@@ -15,6 +16,8 @@ class Jacobi:
     master by the ratio of extrapolation to interpolation; the order of the units does not
     matter. First order with held values, second with laws. One step call per unit.
     """
+
+    needs_rollback: ClassVar[bool] = False
 
     def advance(self, system: System, time: float, size: float) -> None:
         for member in system.members:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from orchestrator.errors import SimulationError
+from orchestrator.errors import SceneError, SimulationError
 from orchestrator.masters import MASTERS
 from orchestrator.reference import as_recorded, monolithic
 from orchestrator.run import load, run
@@ -73,3 +74,23 @@ def test_a_coupling_too_stiff_is_stopped(outcome: Runner, kind: str) -> None:
     )
     assert np.abs(done.series("payload.displacement")).max() <= 1.0
     assert done.failure is None or isinstance(done.failure, SimulationError)
+
+
+def test_a_master_that_needs_rollback_says_so_at_load(library: Path, tmp_path: Path) -> None:
+    """What is lacking, and what would work; nothing is loaded for it."""
+    with (
+        zipfile.ZipFile(library / "payload.fmu") as old,
+        zipfile.ZipFile(tmp_path / "plain.fmu", "w") as new,
+    ):
+        for name in old.namelist():
+            text = old.read(name)
+            if name == "modelDescription.xml":
+                yes, no = (f'canGetAndSetFMUstate="{word}"'.encode() for word in ("true", "false"))
+                assert yes in text
+                text = text.replace(yes, no)
+            new.writestr(name, text)
+    scene = tmp_path / "scene.toml"
+    scene.write_text('extends = "oscillator-1"\n[components.payload]\nfmu = "./plain.fmu"\n')
+    load(scene, None, library)
+    with pytest.raises(SceneError, match="needs rollback, which payload cannot do; gauss-seidel"):
+        load(scene, None, library, master={"kind": "iterative"})
