@@ -94,7 +94,7 @@ def _scalar(part: Part, reference: int, variable: Variable) -> Element:
         valueReference=str(reference),
         description=quantity.meaning,
         causality=variable.causality,
-        variability="fixed" if variable.causality == "parameter" else "continuous",
+        variability=_variability(variable),
         initial="calculated" if variable.causality == "output" else "exact",
     )
     if variable.causality == "input":
@@ -116,6 +116,12 @@ def _scalar(part: Part, reference: int, variable: Variable) -> Element:
         tool = SubElement(annotations, "Tool", name="resilin")
         SubElement(tool, "Port", name=quantity.port, order=str(quantity.order))
     return scalar
+
+
+def _variability(variable: Variable) -> str:
+    if variable.causality != "parameter":
+        return "continuous"
+    return "tunable" if variable.quantity.tunable else "fixed"
 
 
 def _structure(root: Element, part: Part, variables: list[Variable]) -> None:

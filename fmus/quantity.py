@@ -27,7 +27,8 @@ class Quantity:
     a terminal carries: 0 a value, 1 part of the affine law around it, 2 its curvature.
     `choices` names the items of an enumeration, numbered from 1. `depends` lists the
     ports or variables an output follows without a step in between. `name`, where given,
-    is the FMI name in place of the one made of port and field.
+    is the FMI name in place of the one made of port and field. `tunable` parameters may
+    change while the part runs, those that leave state and energy as they are.
     """
 
     unit: str
@@ -40,6 +41,7 @@ class Quantity:
     choices: tuple[str, ...] = ()
     depends: tuple[str, ...] = ()
     name: str = ""
+    tunable: bool = False
 
     def fmi_name(self, field: str) -> str:
         """FMI name of the dataclass field: `force_value` in port `force` is `force.value`."""
@@ -57,11 +59,12 @@ def parameter(
     least: float | None = None,
     most: float | None = None,
     choices: tuple[str, ...] = (),
+    tunable: bool = False,
 ) -> Any:
     """Field of `Params`; `source` opens with printed, inferred, calibrated, assumed or chosen."""
     if choices:
         least, most = 1.0, float(len(choices))
-    quantity = Quantity(unit, meaning, least, most, source, choices=choices)
+    quantity = Quantity(unit, meaning, least, most, source, choices=choices, tunable=tunable)
     return dataclasses.field(default=start, metadata={"quantity": quantity})
 
 

@@ -108,6 +108,8 @@ class PhysicsSlave(Fmi2Slave):
             own[reference] = value
         self._input = None
         self._stale = True
+        if self._running and max(vrs) >= self._inputs.stop:
+            self._retune()
 
     def get_integer(self, vrs: list[int]) -> list[int]:
         return [int(self._values[reference]) for reference in vrs]
@@ -142,8 +144,16 @@ class PhysicsSlave(Fmi2Slave):
             running,
         )
 
-    def _initialise(self) -> None:
-        """Parameters within their bounds, and the state they start from."""
+    def _retune(self) -> None:
+        """Take over parameters set in mid-run; a bad one is refused and the old ones stay."""
+        try:
+            self._tune()
+        except Exception as error:
+            self._values[self._parameters] = list(astuple(self._params))
+            self._report("parameter", error)
+
+    def _tune(self) -> None:
+        """Parameters from the values as they are now, within their bounds."""
         values = self._values[self._parameters]
         for variable, value in zip(self._variables[self._parameters], values, strict=True):
             least, most = variable.quantity.least, variable.quantity.most
@@ -154,6 +164,10 @@ class PhysicsSlave(Fmi2Slave):
                 bounds += f"{most if most is not None else 'inf'} {variable.quantity.unit}"
                 raise ValueError(f"{variable.name} = {value:g} is outside {bounds}")
         self._params = self._physics.Params(*values)
+
+    def _initialise(self) -> None:
+        """Parameters within their bounds, and the state they start from."""
+        self._tune()
         self._state = self._physics.initial(self._params, self._gathered(), self._time)
 
     def _gathered(self) -> Any:

@@ -48,7 +48,9 @@ class Params:
         least=0.0,
         most=1.0,
     )
-    air_density: float = parameter(1.2, "kg/m3", "Density of the air", "assumed", least=0.0)
+    air_density: float = parameter(
+        1.2, "kg/m3", "Density of the air", "assumed", least=0.0, tunable=True
+    )
     lift_coefficient: float = parameter(1.678, "1", "C_T in C_L = C_T sin 2a", HAWKMOTH)
     drag_edgewise: float = parameter(0.07, "1", "C_D at a = 0", HAWKMOTH, least=0.0)
     drag_broadside: float = parameter(3.06, "1", "C_D at a = 90 degrees", HAWKMOTH, least=0.0)

@@ -44,7 +44,9 @@ class Params:
     waveform: float = parameter(
         5.0, "1", "Waveform of the function generator", "printed: square, text", choices=CHOICES
     )
-    amplitude: float = parameter(1920.0, "V", "Amplitude", "printed: text", least=0.0, most=1.0e6)
+    amplitude: float = parameter(
+        1920.0, "V", "Amplitude", "printed: text", least=0.0, most=1.0e6, tunable=True
+    )
     frequency: float = parameter(
         18.0, "Hz", "Frequency", "printed: figure 11, peak with full wings", least=0.0
     )
@@ -53,7 +55,11 @@ class Params:
         math.pi, "rad", "Phase of the bottom channel before the top one", "printed: 180 degrees"
     )
     bottom_ratio: float = parameter(
-        1.0, "1", "Amplitude of the bottom channel over that of the top one", "printed: equal"
+        1.0,
+        "1",
+        "Amplitude of the bottom channel over that of the top one",
+        "printed: equal",
+        tunable=True,
     )
     soft_start: float = parameter(
         0.0, "s", "Duration of the smooth rise at start", "chosen: none", least=0.0
@@ -65,7 +71,12 @@ class Params:
         UNLIMITED, "V/s", "Largest rate S of the output", "assumed: no limit", least=1.0e-3
     )
     current_limit: float = parameter(
-        UNLIMITED, "A", "Largest current per channel", "assumed: no limit", least=1.0e-12
+        UNLIMITED,
+        "A",
+        "Largest current per channel",
+        "assumed: no limit",
+        least=1.0e-12,
+        tunable=True,
     )
     power_limit: float = parameter(
         UNLIMITED,
@@ -73,6 +84,7 @@ class Params:
         "Largest power per channel",
         "assumed: no limit; the paper quotes 1 W for its amplifier",
         least=1.0e-9,
+        tunable=True,
     )
     resistance: float = parameter(
         1.0e5,

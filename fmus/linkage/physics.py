@@ -54,6 +54,7 @@ class Params:
         "Viscous damping at the slider",
         "calibrated: figure 11, 96 degrees without wings",
         least=0.0,
+        tunable=True,
     )
     joint_friction: float = parameter(
         0.2914,
@@ -62,9 +63,10 @@ class Params:
         "calibrated: figure 11, 83 degrees with frames",
         least=0.0,
         most=0.99,
+        tunable=True,
     )
     coulomb_friction: float = parameter(
-        0.0, "N", "Friction force independent of load", "assumed: none", least=0.0
+        0.0, "N", "Friction force independent of load", "assumed: none", least=0.0, tunable=True
     )
     friction_velocity: float = parameter(
         5.0e-3, "m/s", "Velocity over which friction changes sign", "assumed", least=1.0e-9
@@ -373,6 +375,19 @@ def largest_substep(
     return min(limit, p.resolution / contact)
 
 
+def reversal_substep(p: Params, velocity: float, acceleration: float, limit: float) -> float:
+    """Substep [s] that resolves the change of sign of the friction, if it may come within `limit`.
+
+    Over it the velocity changes by no more than 5 `resolution` of the width of that change.
+    """
+    if p.coulomb_friction + p.joint_friction <= 0.0:
+        return limit
+    pull = math.fabs(acceleration)
+    if math.fabs(velocity) > 3.0 * p.friction_velocity + pull * limit:
+        return limit
+    return min(limit, 5.0 * p.resolution * p.friction_velocity / max(pull, 1.0 / UNLIMITED))
+
+
 def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
     """Motion after `h` [s] by the classical Runge-Kutta method with substeps.
 
@@ -394,15 +409,16 @@ def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
     stop_loss = x.stop_loss
     load_work = x.load_work
     while time < h:
+        s = start + time
+        k1 = flow(p, u, q, v, slope, bend, s)
         limit = largest_substep(p, u, q, v, slope)
+        limit = reversal_substep(p, v, k1.acceleration, limit)
         left = max(1.0, float(math.ceil((h - time) / limit * (1.0 - 1.0e-12))))
         span = (h - time) / left
         count = count + 1.0
         if left + count > MOST_SUBSTEPS:
             raise ValueError("the mechanism is too stiff for this step: more than 1e6 substeps")
-        s = start + time
         half = 0.5 * span
-        k1 = flow(p, u, q, v, slope, bend, s)
         q2 = q + half * v
         v2 = v + half * k1.acceleration
         _, slope, bend = flap(g, r, q2)
