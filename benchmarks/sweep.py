@@ -19,9 +19,9 @@ from rich.console import Console
 from rich.table import Table
 
 from orchestrator.metrics import metrics
+from orchestrator.plan import LIBRARY
 from orchestrator.results import dataset
-from orchestrator.run import load, run
-from orchestrator.wiring import LIBRARY
+from orchestrator.simulation import load, run
 
 STEPS_PER_SECOND = 1500
 """Least rate of communication: the mass moves at its own frequency however slow the drive."""

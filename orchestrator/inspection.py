@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from .errors import printable
 from .interface import Variable
-from .wiring import Connection, Plan
+from .order import reachable
+from .plan import Plan
+from .wiring import Connection
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -15,7 +18,60 @@ LAWS = ("value", "affine", "curvature")
 
 def tables(plan: Plan) -> list[Table]:
     """Units in the order in which they are stepped, wires by port, held inputs, the grid."""
-    return [_units(plan), _wires(plan), _held(plan), _time(plan)]
+    return [_units(plan), _wires(plan), _held(plan), _shape(plan), _time(plan)]
+
+
+def facts(plan: Plan) -> dict[str, Any]:
+    """The same as data for scripts."""
+    return {
+        "title": plan.scenario.title,
+        "master": plan.scenario.master.model_dump(),
+        "order": plan.order,
+        "units": {
+            name: {
+                "fmu": str(known.path),
+                "guid": known.guid,
+                "fmi": known.version,
+                "rollback": known.rollback,
+                "variable_step": known.variable_step,
+                "ports": known.ports(),
+                "start": plan.starts[name],
+            }
+            for name, known in plan.interfaces.items()
+        },
+        "wires": [
+            {
+                "from": f"{c.source}.{c.output.name}",
+                "to": f"{c.target}.{c.input.name}",
+                "gain": c.gain,
+                "offset": c.offset,
+                "order": c.input.order,
+            }
+            for c in plan.connections
+        ],
+        "held": plan.held,
+        "loops": loops(plan),
+        "left_out": plan.scenario.without,
+        "records": [f"{name}.{v.name}" for name, v in plan.records],
+        "time": {
+            "start": plan.grid.start,
+            "stop": plan.grid.stop,
+            "step": plan.grid.step,
+            "steps": plan.grid.count,
+            "frequency": plan.frequency,
+        },
+    }
+
+
+def loops(plan: Plan) -> list[list[str]]:
+    """Units that feed each other, loop by loop, in the order in which they are stepped."""
+    reach = reachable(plan.order, [(c.source, c.target) for c in plan.connections])
+    found = []
+    for name in plan.order:
+        ring = [n for n in plan.order if n in reach[name] and name in reach[n]]
+        if ring and ring not in found:
+            found.append(ring)
+    return found
 
 
 def _units(plan: Plan) -> Table:
@@ -42,7 +98,7 @@ def _units(plan: Plan) -> Table:
 def _shown(variable: Variable, value: float | str) -> str:
     """A start value with its unit, or the name of the choice."""
     if variable.choices:
-        return variable.choices[int(float(value)) - 1]
+        return variable.choices[variable.codes.index(int(float(value)))]
     if isinstance(value, str):
         return value
     unit = "" if variable.unit == "1" else f" {variable.unit}"
@@ -73,6 +129,18 @@ def _held(plan: Plan) -> Table:
     for key, value in plan.held.items():
         component, _, name = key.partition(".")
         table.add_row(key, f"{value:g}", plan.interfaces[component].variables[name].unit)
+    return table
+
+
+def _shape(plan: Plan) -> Table:
+    """Order of stepping, loops, and what the scene has left out of those that it extends."""
+    from rich.table import Table
+
+    table = Table("", "units", title="structure")
+    table.add_row("order", ", ".join(plan.order))
+    for ring in loops(plan):
+        table.add_row("loop", ", ".join(ring))
+    table.add_row("left out", ", ".join(map(printable, plan.scenario.without)) or "nothing")
     return table
 
 

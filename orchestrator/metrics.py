@@ -81,15 +81,15 @@ class _Window:
         begin = time[0]
         if self.drive > 0.0:
             begin = max(begin, time[-1] - cycles / self.drive - 1e-9)
-        self.keep = time >= begin
-        self.time = time[self.keep]
-        self.data = data
+        first = int(np.searchsorted(time, begin))
+        self.time = time[first:]
+        self.data = data.isel(time=slice(first, None))
 
     def all(self, variable: str) -> list[Values]:
         """Series of all variables of this name, whatever the component and port."""
         names = [str(n) for n in self.data.data_vars]
         matching = [n for n in names if n.rpartition(".")[2] == variable]
-        return [np.asarray(self.data[n].values, dtype=float)[self.keep] for n in matching]
+        return [np.asarray(self.data[n].values, dtype=float) for n in matching]
 
     def first(self, variable: str) -> Values | None:
         found = self.all(variable)
@@ -103,7 +103,7 @@ class _Window:
         names = [str(n) for n in self.data.data_vars]
         wanted = [n for n in names if n.endswith(f"_peak_{variable}")]
         wanted = wanted or [n for n in names if n.endswith((f".{variable}", f"_{variable}"))]
-        series = [np.asarray(self.data[n].values)[self.keep] for n in wanted]
+        series = [np.asarray(self.data[n].values) for n in wanted]
         return max((float(np.max(np.abs(s))) for s in series), default=None)
 
     def rate(self, variable: str) -> float | None:

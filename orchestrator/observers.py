@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import Divergence
+from .segments import Segments
 from .system import System
 
 Values = NDArray[np.float64]
@@ -21,20 +22,31 @@ class Observer(Protocol):
 
 
 class Recorder:
-    """Rows of the recorded values, each stamped with the time at which it holds."""
+    """Rows of the recorded values, each stamped with the time at which it holds.
 
-    def __init__(self, system: System, every: int) -> None:
+    With somewhere to put them, rows leave memory in closed segments: when `SEGMENT` bytes
+    are full, and at the latest every `PATIENCE` seconds.
+    """
+
+    SEGMENT = 16 << 20
+    PATIENCE = 60.0
+
+    def __init__(self, system: System, every: int, segments: Segments | None = None) -> None:
         place = {name: index for index, name in enumerate(system.names)}
         self.names = [f"{name}.{variable.name}" for name, variable in system.plan.records]
         self._columns = np.array([place[name] for name in self.names], dtype=np.intp)
         self._every = every
+        self._from = system.plan.keep_from
+        self._segments = segments
+        self._full = max(256, self.SEGMENT // (8 * (len(self.names) + 1)))
+        self._written = perf_counter()
         expected = system.plan.grid.count // every + 2
-        self._rows: Values = np.empty((min(expected, 1 << 16), len(self.names)))
+        self._rows: Values = np.empty((min(expected, 1 << 14), len(self.names)))
         self._times: Values = np.empty(len(self._rows))
         self.count = 0
 
     def sample(self, system: System, step: int, time: float) -> None:
-        if step % self._every:
+        if step % self._every or time < self._from:
             return
         if self.count == len(self._times):
             self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
@@ -42,15 +54,21 @@ class Recorder:
         np.take(system.values, self._columns, out=self._rows[self.count])
         self._times[self.count] = time
         self.count += 1
+        if self._segments is not None and self.count % 256 == 0:
+            late = perf_counter() - self._written > self.PATIENCE
+            if self.count >= self._full or late:
+                self._segments.write(self.times, self.rows)
+                self._written = perf_counter()
+                self.count = 0
 
     @property
     def times(self) -> Values:
-        """Times of the rows [s]."""
+        """Times of the rows in memory [s]."""
         return self._times[: self.count]
 
     @property
     def rows(self) -> Values:
-        """Recorded values, one row per time."""
+        """Recorded values in memory, one row per time."""
         return self._rows[: self.count]
 
 
@@ -58,17 +76,19 @@ class Guard:
     """Stops a run whose values have ceased to mean anything.
 
     At every point: NaN, infinity, and what leaves the bounds that its FMU declares (1e100
-    where it declares none). Every `WINDOW` points: a wired value whose peak has at least
-    doubled in `WINDOWS` windows on end, which no vibration that settles does, however it
-    starts (a growth as t^n doubles over eight windows only for n above 5).
+    where it declares none). With `growth`, which asks for equal steps, every `WINDOW` points: a
+    wired value whose peak has at least doubled in `WINDOWS` windows on end, which no
+    vibration that settles does, however it starts (a growth as t^n doubles over eight
+    windows only for n above 5).
     """
 
     WINDOW = 25
     WINDOWS = 8
     BOUND = 1e100
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, growth: bool = True) -> None:
         variables = system.variables
+        self._every = self.WINDOW if growth else 0
         self._high = np.array([self.BOUND if v.most is None else v.most for v in variables])
         self._low = np.array([-self.BOUND if v.least is None else v.least for v in variables])
         wired = {
@@ -84,9 +104,11 @@ class Guard:
         values = system.values
         if not ((values <= self._high).all() and (values >= self._low).all()):
             self._stop(system, time)
+        if not self._every:
+            return
         np.maximum(self._peak, np.abs(values), out=self._peak)
         self._count += 1
-        if self._count % self.WINDOW == 0:
+        if self._count % self._every == 0:
             self._compare(system, time)
 
     def _compare(self, system: System, time: float) -> None:

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from .errors import SceneError
 from .interface import read_interface
+from .plan import LIBRARY, Plan, check, fmu_path
 from .results import Outcome
 from .scenario import Component, Master, Record, Scenario
-from .wiring import LIBRARY, Plan, check, fmu_path
 
 MONOLITH = "monolith"
 

@@ -10,15 +10,20 @@ import hashlib
 import json
 import re
 import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import OutputError
-from .wiring import Plan
+from .errors import InputError, OutputError
+from .estimate import Estimate
+from .plan import Plan
+from .segments import Column, Segments, assemble, folder_of, found
 
 if TYPE_CHECKING:
     import xarray
@@ -26,7 +31,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run recorded, and how it went. `failure` is None for a whole run."""
+    """What a run recorded, and how it went. `failure` is None for a whole run.
+
+    `points` are its communication points, `rejected` the attempts beside them, `calls` and
+    `rollbacks` counts for each unit, `residual` what was left of the initial conditions,
+    `couplings` the energy created and exchanged by each power coupling [J].
+    `estimates` holds the error of each variable where it was asked for, `doubt` says why
+    there is none. `segments` holds the rows of a long run that have left memory; `times` and
+    `rows` are then the last ones.
+    """
 
     plan: Plan
     names: list[str]
@@ -36,6 +49,24 @@ class Outcome:
     steps: int
     calls: dict[str, int]
     failure: Exception | None = field(default=None)
+    points: Sequence[float] = ()
+    rejected: int = 0
+    rollbacks: dict[str, int] = field(default_factory=dict)
+    residual: float = 0.0
+    couplings: dict[str, tuple[float, float]] = field(default_factory=dict)
+    segments: Segments | None = None
+    estimates: dict[str, Estimate] | None = None
+    doubt: str = ""
+
+    @property
+    def kept(self) -> int:
+        """Number of rows, those that have left memory included."""
+        return len(self.times) + (self.segments.rows if self.segments is not None else 0)
+
+    @property
+    def simulated(self) -> float:
+        """Time [s] from the start of the run to its last communication point kept."""
+        return float(self.times[-1] - self.plan.grid.start) if len(self.times) else 0.0
 
     def series(self, name: str) -> NDArray[np.float64]:
         """Recorded values of `component.variable`."""
@@ -46,23 +77,36 @@ def dataset(outcome: Outcome) -> xarray.Dataset:
     """Recorded values over time, named `component.variable`, units and meaning as attributes.
 
     The dataset's attributes hold what is needed to run it again: scene, FMU digests,
-    versions, master, step; and how it went.
+    versions, master, step; and how it went. Of a run that left memory in segments only the last
+    rows are here: :func:`write` puts all of it into one file.
     """
     import xarray
 
-    plan = outcome.plan
-    described = {f"{component}.{v.name}": v for component, v in plan.records}
-    columns = {}
-    for index, name in enumerate(outcome.names):
-        said = {"units": described[name].unit, "long_name": described[name].description}
+    data = {
+        column.name: ("time", outcome.rows[:, k], dict(column.said))
+        for k, column in enumerate(columns(outcome.plan, outcome.estimates))
+    }
+    time = ("time", outcome.times, {"units": "s", "long_name": "Time at which values hold"})
+    return xarray.Dataset(data, coords={"time": time}, attrs=attributes(outcome))
+
+
+def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Column]:
+    """What a result says of each recorded variable, under names that netCDF takes."""
+    made: list[Column] = []
+    taken: set[str] = set()
+    for index, (component, variable) in enumerate(plan.records):
+        name = f"{component}.{variable.name}"
+        said: dict[str, Any] = {"units": variable.unit, "long_name": variable.description}
+        if estimates is not None:
+            said["estimated_error"] = estimates[name].error
         safe = netcdf_name(name)
         if safe != name:
             said["original_name"] = name
-        if safe in columns:
+        if safe in taken:
             safe = f"{safe}_{index}"
-        columns[safe] = ("time", outcome.rows[:, index], said)
-    time = ("time", outcome.times, {"units": "s", "long_name": "Time at which values hold"})
-    return xarray.Dataset(columns, coords={"time": time}, attrs=attributes(outcome))
+        taken.add(safe)
+        made.append(Column(safe, said))
+    return made
 
 
 def netcdf_name(name: str) -> str:
@@ -72,20 +116,18 @@ def netcdf_name(name: str) -> str:
     return re.sub(r"^[^A-Za-z0-9_]|\s+$", "_", short)
 
 
-def attributes(outcome: Outcome) -> dict[str, Any]:
-    """Provenance of a run as netCDF attributes."""
+def provenance(plan: Plan) -> dict[str, Any]:
+    """What a run is made of, as netCDF attributes: known before it starts."""
     from importlib.metadata import PackageNotFoundError, version
 
-    plan = outcome.plan
     try:
         release = version("resilin")
     except PackageNotFoundError:
         release = "unknown"
     digests = {name: interface.guid for name, interface in plan.interfaces.items()}
-    archives = {
-        name: hashlib.sha256(interface.path.read_bytes()).hexdigest()
-        for name, interface in plan.interfaces.items()
-    }
+    paths = {interface.path for interface in plan.interfaces.values()}
+    hashes = {path: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
+    archives = {name: hashes[interface.path] for name, interface in plan.interfaces.items()}
     return {
         "title": plan.scenario.title,
         "scene": plan.scenario.model_dump_json(by_alias=True),
@@ -97,11 +139,46 @@ def attributes(outcome: Outcome) -> dict[str, Any]:
         "laws": plan.scenario.master.laws,
         "communication_step": plan.grid.step,
         "frequency": plan.frequency or 0.0,
+    }
+
+
+def attributes(outcome: Outcome) -> dict[str, Any]:
+    """Provenance of a run and how it went, as netCDF attributes."""
+    return provenance(outcome.plan) | {
         "communication_steps": outcome.steps,
+        "rejected_steps": outcome.rejected,
+        "step_calls": json.dumps(outcome.calls),
+        "rollbacks": json.dumps(outcome.rollbacks),
+        "initial_residual": outcome.residual,
+        "coupling_energies": json.dumps(outcome.couplings),
+        "error_estimate": outcome.doubt or ("none" if outcome.estimates is None else "half step"),
         "wall_time": outcome.wall_time,
         "complete": int(outcome.failure is None),
         "reason": str(outcome.failure or ""),
     }
+
+
+def segments_for(plan: Plan, path: Path) -> Segments:
+    """Where the rows of a long run wait for the end, beside the result."""
+    unfinished = provenance(plan) | {"complete": 0, "reason": "the run was killed"}
+    return Segments(folder_of(path), columns(plan), unfinished)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[xarray.Dataset]:
+    """A result file to read; `InputError` where it is none."""
+    import xarray
+
+    if not path.is_file():
+        raise InputError(f"{path}: no such result; resilin run makes one")
+    try:
+        data = xarray.open_dataset(path, engine="netcdf4")
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{path}: not a result that can be read ({error})") from None
+    with data:
+        if "time" not in data.coords or not data.sizes["time"]:
+            raise InputError(f"{path}: holds no rows over time")
+        yield data
 
 
 def partial_path(path: Path) -> Path:
@@ -133,16 +210,50 @@ def clear(path: Path) -> None:
     partial_path(path).unlink(missing_ok=True)
 
 
-def write(data: xarray.Dataset, path: Path) -> Path:
-    """Write a dataset to `path`, or beside it as partial where it is not complete."""
-    target = path if data.attrs["complete"] else partial_path(path)
+def write(outcome: Outcome, path: Path) -> Path:
+    """Write an outcome to `path`, or beside it as partial where it is not complete."""
+    target = path if outcome.failure is None else partial_path(path)
+    pieces = outcome.segments.pieces() if outcome.segments else iter(())
+    _assembled(
+        target,
+        columns(outcome.plan, outcome.estimates),
+        attributes(outcome),
+        chain(pieces, [(outcome.times, outcome.rows)]),
+    )
+    if outcome.segments is not None:
+        outcome.segments.remove()
+    return target
+
+
+def recover(folder: Path) -> tuple[Path, int]:
+    """Make a partial result of the segments of a killed run; its path and its rows."""
+    left = found(folder)
+    target = partial_path(folder.with_name(folder.name.removesuffix(".segments") + ".nc"))
+    rows = 0
+
+    def counted() -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        nonlocal rows
+        for times, values in left.pieces():
+            rows += len(times)
+            yield times, values
+
+    _assembled(target, left.columns, left.attributes, counted())
+    left.remove()
+    return target, rows
+
+
+def _assembled(
+    target: Path,
+    named: list[Column],
+    said: dict[str, Any],
+    pieces: Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]],
+) -> None:
+    """A file that is whole once it has its name."""
     waiting = target.with_name(f".{target.name}.part")
-    coded = {"zlib": True, "complevel": 1, "fletcher32": True}
     try:
-        data.to_netcdf(waiting, engine="netcdf4", encoding=dict.fromkeys(data.variables, coded))
+        assemble(waiting, named, said, pieces)
         waiting.replace(target)
     except (OSError, RuntimeError) as error:
         raise OutputError(f"{target}: cannot be written ({error})") from None
     finally:
         waiting.unlink(missing_ok=True)
-    return target

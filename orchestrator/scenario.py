@@ -26,7 +26,7 @@ Text = Annotated[str, Field(strict=True, max_length=2000)]
 Flag = Annotated[bool, Field(strict=True)]
 LARGEST_FILE = 1 << 20
 DEEPEST_EXTENDS = 10
-LISTS = ("wires", "variables")
+LISTS = ("wires", "variables", "actions")
 """Lists to which a scene adds what its base has."""
 
 
@@ -49,13 +49,28 @@ class Time(_Table):
     stop: Quantity = "50 cycles"
     step: PerCycle | Quantity = PerCycle(per_cycle=200)
     frequency: Quantity | None = None
+    tolerance: Annotated[float, Field(strict=True, gt=0.0, lt=1.0)] | None = None
 
 
 class Component(_Table):
-    """One unit: a built part by name or any FMU by path, and its start values."""
+    """One unit: a built part by name or any FMU by path, and its start values.
+
+    `isolate` puts it into a process of its own or keeps it from that; there `patience` is
+    the time that one call may take, and `memory` what it may allocate.
+    """
 
     fmu: Text
     start: dict[str, Quantity | Flag] = {}
+    isolate: Flag | None = None
+    patience: Quantity | None = None
+    memory: Quantity | None = None
+
+
+class Action(_Table):
+    """Values given at a time: tunable parameters, or inputs that are held."""
+
+    at: Quantity
+    set: dict[str, Quantity | Flag]
 
 
 class Wire(_Table):
@@ -69,18 +84,29 @@ class Wire(_Table):
 
 
 class Master(_Table):
-    """The method that steps the units; `laws` says how much of each port is connected."""
+    """The method that steps the units; `laws` says how much of each port is connected.
+
+    The rest is for some methods only: `degree` of the polynomial that carries plain numbers
+    over a step, `acceleration` of iterations with its `relaxation`, when they count as
+    `settled` (relative) and how many `passes` they get.
+    """
 
     kind: Text = "gauss-seidel"
     laws: Literal["held", "affine", "curvature"] = "curvature"
     order: list[Text] = []
+    degree: Annotated[int, Field(strict=True, ge=1, le=3)] = 1
+    acceleration: Literal["none", "relaxed", "aitken", "anderson"] = "none"
+    relaxation: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.5
+    settled: Annotated[float, Field(strict=True, gt=0.0, lt=0.1)] = 1e-9
+    passes: Annotated[int, Field(strict=True, ge=2, le=1000)] = 30
 
 
 class Record(_Table):
-    """Which outputs are kept, by pattern, and every how many steps."""
+    """Which outputs are kept, by pattern, every how many steps, and over what last stretch."""
 
     variables: list[Text] = ["*"]
     every: Annotated[int, Field(strict=True, ge=1)] = 1
+    last: Quantity | None = None
 
 
 class Metrics(_Table):
@@ -90,16 +116,38 @@ class Metrics(_Table):
 
 
 class Scenario(_Table):
-    """A whole scene, `extends` resolved."""
+    """A whole scene, `extends` resolved; `without` tells what has been left out on the way."""
 
     title: Text = ""
+    without: list[Text] = []
     time: Time = Time()
     master: Master = Master()
     components: dict[str, Component] = {}
     wires: list[Wire] = []
-    hold: dict[str, Quantity] = {}
+    hold: dict[str, Quantity | Flag] = {}
+    actions: list[Action] = []
     record: Record = Record()
     metrics: Metrics = Metrics()
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of a scene file, `extends` and `without` included.
+
+    A component's `fmu` may come from the scene that is extended.
+    """
+    schema = Scenario.model_json_schema(by_alias=True)
+    schema["$defs"]["Component"].pop("required")
+    schema["title"] = "Resilin scene"
+    schema["properties"] = {
+        "extends": {"type": "string", "description": "Scene that this one changes."},
+        "without": {
+            "type": "array",
+            "items": {"type": "string"},
+            "description": "Components left out, with their wires, holds and records.",
+        },
+        **schema["properties"],
+    }
+    return schema
 
 
 def scene_names() -> list[str]:
@@ -201,7 +249,7 @@ def _merged(path: Path, seen: list[Path]) -> dict[str, Any]:
     base = _merged(scene_path(base_name, path.parent), [*seen, resolved])
     _drop(base, dropped, path)
     _release(base, tree.get("wires", []))
-    return _overlaid(base, tree)
+    return _overlaid(base, tree) | {"without": [*base.get("without", []), *dropped]}
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -246,6 +294,7 @@ SHAPES: dict[str, tuple[type, str]] = {
     "hold": (dict, "a table"),
     "record": (dict, "a table"),
     "metrics": (dict, "a table"),
+    "actions": (list, "a list of tables, written [[actions]]"),
 }
 
 
@@ -261,14 +310,10 @@ def _misshapen(tree: dict[str, Any]) -> Iterator[str]:
     for name, component in tree.get("components", {}).items():
         if not isinstance(component, dict) or not isinstance(component.get("start", {}), dict):
             yield f"components.{name}: expected a table, and a table in start"
-    for index, wire in enumerate(tree.get("wires", [])):
-        if not isinstance(wire, dict):
-            yield f"wires.{index}: expected a table with from and to"
-            continue
-        for end in ("from", "to"):
-            if not isinstance(wire.get(end), str):
-                fault = "expected a text" if end in wire else "is missing"
-                yield f"wires.{index}.{end}: {fault}"
+    yield from _misshapen_wires(tree.get("wires", []))
+    for index, action in enumerate(tree.get("actions", [])):
+        if not isinstance(action, dict) or not isinstance(action.get("set"), dict):
+            yield f"actions.{index}: expected a table with at and a table set"
     variables = tree.get("record", {}).get("variables", [])
     if not isinstance(variables, list):
         yield "record.variables: expected a list of texts"
@@ -277,6 +322,17 @@ def _misshapen(tree: dict[str, Any]) -> Iterator[str]:
         if not isinstance(variable, str):
             given = printable(reprlib.repr(variable), most=60)
             yield f"record.variables.{index}: expected a text, got {given}"
+
+
+def _misshapen_wires(wires: list[Any]) -> Iterator[str]:
+    for index, wire in enumerate(wires):
+        if not isinstance(wire, dict):
+            yield f"wires.{index}: expected a table with from and to"
+            continue
+        for end in ("from", "to"):
+            if not isinstance(wire.get(end), str):
+                fault = "expected a text" if end in wire else "is missing"
+                yield f"wires.{index}.{end}: {fault}"
 
 
 def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
@@ -295,6 +351,10 @@ def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
             if not (wire["from"].startswith(prefix) or wire["to"].startswith(prefix))
         ]
         tree["hold"] = {k: v for k, v in tree.get("hold", {}).items() if not k.startswith(prefix)}
+        tree["actions"] = [
+            {**a, "set": {k: v for k, v in a["set"].items() if not k.startswith(prefix)}}
+            for a in tree.get("actions", [])
+        ]
         record = tree.get("record", {})
         if "variables" in record:
             record["variables"] = [v for v in record["variables"] if not v.startswith(prefix)]
@@ -370,6 +430,7 @@ def _suggestion(place: list[str], word: str) -> str:
         "metrics": Metrics,
         "components": Component,
         "wires": Wire,
+        "actions": Action,
     }
     table = Scenario if len(place) == 1 else tables.get(place[0], Scenario)
     if len(place) == 3 and place[:2] == ["time", "step"]:

@@ -8,63 +8,43 @@ from __future__ import annotations
 
 import tempfile
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .archive import extract
-from .errors import FmuError, InitialisationError, UnitFailure
+from .errors import FmuError, InitialisationError, SimulationError, UnitFailure
 from .interface import Variable
-from .unit import Unit
-from .wiring import Connection, Plan
+from .member import Indices, Member, Values
+from .order import reachable
+from .plan import Plan
+from .settling import Unsettled, settle
+from .starts import Action
+from .unit import Unit, open_unit
 
-Values = NDArray[np.float64]
-SETTLED = 1e-12
-MOST_PASSES = 50
 EVENT = "next_event_time"
 
 
-class Member:
-    """A unit in its place: how its inputs are gathered, and what it tells."""
+@dataclass(frozen=True)
+class Moment:
+    """Everything that rolling back needs: FMU states, values, and held inputs."""
 
-    def __init__(self, unit: Unit, inputs: Values, moves: list[tuple[Values, Values]]) -> None:
-        self.unit = unit
-        self.inputs = inputs
-        self.moves = moves
-        self.gain: Values | None = None
-        self.offset: Values | None = None
-
-    def gather(self) -> None:
-        """Bring the inputs up to date with what the others put out, and pass them on."""
-        for target, source in self.moves:
-            target[:] = source
-        if self.gain is not None and self.offset is not None:
-            np.multiply(self.inputs, self.gain, out=self.inputs)
-            np.add(self.inputs, self.offset, out=self.inputs)
-        self.unit.send()
-
-    def advance(self, time: float, size: float) -> None:
-        """Gather, step, and read what units later in the order need."""
-        self.gather()
-        self.unit.step(time, size)
-        self.unit.receive(0)
-
-    def follow(self) -> None:
-        """Gather and read all outputs, without a step: outputs that follow inputs directly."""
-        self.gather()
-        self.unit.receive()
+    states: list[Any]
+    values: Values
+    buffers: list[Values]
 
 
 class System:
     """Units of a plan, loaded, connected and initialised; a context manager.
 
-    `values` holds all outputs that are wired, recorded or announce events, named by `names`.
-    `members` stand in the order of the plan; `followers` are those whose outputs follow
-    their inputs directly, in dependency order: after a step they are brought up to the new
-    communication point.
+    `values` holds all outputs that are wired, recorded or announce events, named by `names`;
+    `wired` are the places of those that are wired. `members` stand in the order of the plan;
+    `followers` are those whose outputs follow their inputs directly, in dependency order:
+    after a step they are brought up to the new communication point. `residual` is what was
+    left of the initial conditions, relative.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -74,6 +54,9 @@ class System:
         self.names: list[str] = []
         self.values: Values = np.zeros(0)
         self.variables: list[Variable] = []
+        self.wired: Indices = np.zeros(0, dtype=np.intp)
+        self.residual = 0.0
+        self._loop = False
         self._stack = ExitStack()
         self._events: list[int] = []
 
@@ -104,6 +87,55 @@ class System:
         """Time of the next discontinuity that a unit announces; infinity without one."""
         return min((float(self.values[i]) for i in self._events), default=np.inf)
 
+    @property
+    def announces(self) -> bool:
+        """Whether any unit announces discontinuities."""
+        return bool(self._events)
+
+    def follow(self) -> None:
+        """Bring outputs that follow inputs directly up to the present communication point."""
+        for member in self.followers:
+            member.follow()
+        if self._loop:
+            try:
+                settle(self.followers, self.values, self.wired)
+            except Unsettled as error:
+                raise SimulationError(
+                    f"{self.names[error.place]} is in an algebraic loop that does not settle:"
+                    f" still changing by {error.change:.2g}"
+                ) from None
+
+    def save(self) -> Moment:
+        """All there is at this communication point; to be given to `restore` and `forget`."""
+        states = [member.unit.save() for member in self.members]
+        return Moment(states, self.values.copy(), [m.buffer.copy() for m in self.members])
+
+    def restore(self, moment: Moment) -> None:
+        """Back to a saved communication point, which stays saved."""
+        self.values[:] = moment.values
+        for member, state, buffer in zip(self.members, moment.states, moment.buffers, strict=True):
+            member.unit.restore(state)
+            member.buffer[:] = buffer
+
+    def forget(self, moment: Moment) -> None:
+        """Free a saved communication point."""
+        for member, state in zip(self.members, moment.states, strict=True):
+            member.unit.forget(state)
+
+    def act(self, action: Action) -> None:
+        """Give a unit the values of a timed action, and the others what follows from it."""
+        member = next(m for m in self.members if m.unit.name == action.component)
+        parameters = {}
+        for name, value in action.values.items():
+            if name in member.held:
+                member.buffer[member.held[name]] = value
+            else:
+                parameters[name] = value
+        if parameters:
+            member.unit.set(parameters)
+        member.follow()
+        self.follow()
+
     def _load(self) -> None:
         plan = self.plan
         folders: dict[Path, Path] = {}
@@ -112,7 +144,11 @@ class System:
             interface = plan.interfaces[name]
             if interface.path not in folders:
                 folders[interface.path] = self._unpacked(interface.path)
-            unit = Unit(name, interface, folders[interface.path])
+            isolate = plan.scenario.components[name].isolate
+            if isolate is None and interface.once:
+                alike = [n for n, other in plan.interfaces.items() if other is interface]
+                isolate = True if len(alike) > 1 else None
+            unit = open_unit(name, interface, folders[interface.path], isolate, plan.limits[name])
             self._stack.callback(unit.close)
             units[name] = unit
         self._connect(units)
@@ -145,21 +181,27 @@ class System:
                 if variable.name == EVENT and variable.unit == "s":
                     self._events.append(len(self.variables) - 1)
         self.values = np.zeros(len(self.variables))
+        sources = sorted({place[c.source, c.output.name] for c in plan.connections})
+        self.wired = np.array(sources, dtype=np.intp)
         first = 0
         for name in plan.order:
             count = sum(len(group) for group in groups[name])
+            stretch = slice(first, first + count)
             arriving = [c for c in plan.connections if c.target == name]
             arriving.sort(key=lambda c: place[c.source, c.output.name])
-            held = [key for key in plan.held if key.startswith(f"{name}.")]
+            held = {
+                key.partition(".")[2]: value
+                for key, value in plan.held.items()
+                if key.startswith(f"{name}.")
+            }
+            from_places = [place[c.source, c.output.name] for c in arriving]
+            member = Member(
+                *(units[name], self.values, stretch, arriving),
+                *(np.array(from_places, dtype=np.intp), held),
+            )
             inputs = [c.input for c in arriving]
-            inputs += [plan.interfaces[name].variables[key.partition(".")[2]] for key in held]
-            buffer = np.zeros(len(inputs))
-            buffer[len(arriving) :] = [plan.held[key] for key in held]
-            sources = [place[c.source, c.output.name] for c in arriving]
-            member = Member(units[name], buffer[: len(arriving)], self._moves(buffer, sources))
-            _scale(member, arriving)
-            stretch = self.values[first : first + count]
-            units[name].connect(inputs, buffer, groups[name], stretch)
+            inputs += [plan.interfaces[name].variables[key] for key in held]
+            units[name].connect(inputs, member.buffer, groups[name], self.values[stretch])
             self.members.append(member)
             first += count
         self._find_followers()
@@ -172,23 +214,12 @@ class System:
         used = {c.output.name for c in leaving}
         used |= {variable.name for component, variable in plan.records if component == name}
         outputs = plan.interfaces[name].of("output")
-        used |= {v.name for v in outputs if v.name == EVENT and v.kind == "Real"}
+        used |= {v.name for v in outputs if v.name == EVENT and v.real}
         soon = {c.output.name for c in leaving if c.target in later}
         return [
             [v for v in outputs if v.name in soon],
             [v for v in outputs if v.name in used and v.name not in soon],
         ]
-
-    def _moves(self, buffer: Values, sources: list[int]) -> list[tuple[Values, Values]]:
-        """Slice pairs, one for each run of neighbouring outputs."""
-        moves = []
-        start = 0
-        for k in range(1, len(sources) + 1):
-            if k == len(sources) or sources[k] != sources[k - 1] + 1:
-                low = sources[start]
-                moves.append((buffer[start:k], self.values[low : low + k - start]))
-                start = k
-        return moves
 
     def _find_followers(self) -> None:
         """Members with a used output that follows a wired input directly, sources first."""
@@ -204,6 +235,9 @@ class System:
             for key in inputs:
                 if (name, key) in wired:
                     direct.setdefault(name, set()).add(wired[name, key].source)
+        names = list(direct)
+        reach = reachable(names, [(s, n) for n, found in direct.items() for s in found & {*names}])
+        self._loop = any(name in reach[name] for name in names)
         done: list[str] = []
         waiting = [name for name in plan.order if name in direct]
         while waiting:
@@ -213,49 +247,37 @@ class System:
         by_name = {member.unit.name: member for member in self.members}
         self.followers = [by_name[name] for name in done]
         for member in self.members:
-            if member not in self.followers:
+            member.direct = member in self.followers
+            if not member.direct:
                 member.unit.read_whole_at_once()
 
     def _initialise(self) -> None:
         """Initialisation mode of all units, with values passed until nothing changes."""
         grid = self.plan.grid
+        tolerance = self.plan.scenario.time.tolerance
         for member in self.members:
             start = self.plan.starts[member.unit.name]
-            member.unit.prepare(start, grid.start, grid.stop, None)
+            member.unit.prepare(start, grid.start, grid.stop, tolerance)
         for member in self.members:
             member.unit.enter_initialisation()
-        self._settle()
+        for member in self.members:
+            member.unit.receive()
+        try:
+            self.residual = settle(self.members, self.values, self.wired)
+        except Unsettled as error:
+            raise InitialisationError(self._unsettled(error)) from None
         for member in self.members:
             member.unit.exit_initialisation()
         for member in self.members:
             member.follow()
 
-    def _settle(self) -> None:
-        """Fixed-point passes over all units; an error names the values that keep moving."""
-        for member in self.members:
-            member.unit.receive()
-        for _ in range(MOST_PASSES):
-            before = self.values.copy()
-            for member in self.members:
-                member.follow()
-            change = np.abs(self.values - before)
-            if np.all(change <= SETTLED * np.maximum(1e-30, np.abs(self.values))):
-                return
-            if not np.all(np.isfinite(self.values)):
-                break
-        worst = int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
+    def _unsettled(self, error: Unsettled) -> str:
+        """Why the start values do not go together: what a unit said, else the worst value."""
         said = [f"{m.unit.name}: {text}" for m in self.members for text in m.unit.messages[-1:]]
-        raise InitialisationError(
-            f"{self.plan.path}: {said[0]}"
-            if said
-            else f"{self.plan.path}: {self.names[worst]} = {self.values[worst]:g} does not settle"
-            f" at the start (still changing by {change[worst]:.2g}); give other start values"
+        if said:
+            return f"{self.plan.path}: {said[0]}"
+        name, value = self.names[error.place], self.values[error.place]
+        return (
+            f"{self.plan.path}: {name} = {value:g} does not settle at the start (still changing"
+            f" by {error.change:.2g}); give other start values"
         )
-
-
-def _scale(member: Member, arriving: list[Connection]) -> None:
-    """Give a member gains and offsets only where some wire has any."""
-    gain = np.array([c.gain for c in arriving])
-    offset = np.array([c.offset for c in arriving])
-    if np.any(gain != 1.0) or np.any(offset != 0.0):
-        member.gain, member.offset = gain, offset

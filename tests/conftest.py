@@ -10,7 +10,7 @@ import pytest
 
 import build_fmus
 from orchestrator.results import Outcome
-from orchestrator.run import load, run
+from orchestrator.simulation import load, run
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 

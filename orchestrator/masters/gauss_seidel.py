@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
-from ..system import System
+from .base import Master
 
 
-@dataclass(frozen=True)
-class GaussSeidel:
+class GaussSeidel(Master):
     """Step the units one after another, in the order of the plan.
 
     A unit that comes after the source of a law interpolates, since the law then holds at the
@@ -22,10 +18,7 @@ class GaussSeidel:
     the new communication point, so that what is recorded holds at its time label.
     """
 
-    needs_rollback: ClassVar[bool] = False
-
-    def advance(self, system: System, time: float, size: float) -> None:
-        for member in system.members:
+    def advance(self, time: float, size: float) -> None:
+        for member in self.system.members:
             member.advance(time, size)
-        for member in system.followers:
-            member.follow()
+        self.system.follow()

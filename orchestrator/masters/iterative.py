@@ -2,51 +2,81 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..errors import Divergence
+from ..member import Values
+from ..scenario import Master as Settings
 from ..system import System
+from .acceleration import acceleration
+from .base import Master
 
 
-@dataclass(frozen=True)
-class Iterative:
-    """Repeat a sequential step from saved states until no output changes any more.
+class Iterative(Master):
+    """Repeat a sequential step from saved states until no wired output changes any more.
 
-    The first pass is that of the sequential master; in later ones every unit sees what the
-    others put out at the end of the step, so laws hold at both ends of the loop and held
-    values act as in an implicit method. Converges where the coupling's gain over a step is
-    below one; `Divergence` names the value that does not settle within `most` passes.
-    Needs rollback in every unit. `tolerance` is relative to the largest value seen.
+    In each pass every unit sees what the last one says of the end of the step: laws hold at both
+    ends of a loop, plain real numbers are the mean of both ends of the step (the trapezoid
+    rule, second order). Passes settle where the coupling's gain over a step is below one, with
+    `acceleration` further; `Divergence` names the value that does not within `passes`.
+    Values count as settled when they change by less than `settled` of the largest seen in
+    the run. Needs rollback in every unit.
     """
 
-    needs_rollback: ClassVar[bool] = True
-    tolerance: float = 1e-9
-    most: int = 30
+    needs_rollback: ClassVar = True
+    options: ClassVar = ("acceleration", "relaxation", "settled", "passes")
 
-    def advance(self, system: System, time: float, size: float) -> None:
-        saved = [(member.unit, member.unit.save()) for member in system.members]
+    def __init__(self, system: System, settings: Settings) -> None:
+        super().__init__(system, settings)
+        self._scale = np.abs(system.values[system.wired])
+
+    def advance(self, time: float, size: float) -> None:
+        system, settings = self.system, self.settings
+        wired = system.wired
+        faster = acceleration(settings)
+        begin = system.values.copy()
+        moment = system.save()
         try:
-            for index in range(self.most):
-                before = system.values.copy()
+            for index in range(settings.passes):
+                guess = system.values[wired].copy()
                 if index:
-                    for unit, state in saved:
-                        unit.restore(state)
-                for member in system.members:
-                    member.advance(time, size)
-                for member in system.followers:
-                    member.follow()
-                change = np.abs(system.values - before)
-                scale = np.maximum(np.abs(system.values), np.abs(before))
-                if index and bool((change <= self.tolerance * scale + 1e-300).all()):
+                    held = system.values.copy()
+                    system.restore(moment)
+                    system.values[:] = held
+                self._pass(begin, time, size)
+                answer = system.values[wired].copy()
+                np.maximum(self._scale, np.abs(answer), out=self._scale)
+                change = np.abs(answer - guess) / (self._scale + 1e-300)
+                if index and float(change.max(initial=0.0)) <= settings.settled:
                     return
+                if not np.all(np.isfinite(answer)):
+                    break
+                if index:
+                    system.values[wired] = faster.next(guess, answer)
         finally:
-            for unit, state in saved:
-                unit.forget(state)
-        worst = int(np.argmax(change / (scale + 1e-300)))
+            system.forget(moment)
+        worst = int(np.argmax(np.nan_to_num(change, nan=np.inf)))
         raise Divergence(
-            f"{system.names[worst]} does not settle at t = {time:.9g} s: it still changes by"
-            f" {change[worst]:.2g} after {self.most} passes; lower the step or use laws"
+            f"{system.names[wired[worst]]} does not settle at t = {time:.9g} s: it still changes"
+            f" by {change[worst]:.2g} of its largest value after {settings.passes} passes; lower"
+            " the step, set master.acceleration, or use interface-newton"
         )
+
+    def _pass(self, begin: Values, time: float, size: float) -> None:
+        """One sequential step with what is known of its end."""
+        system = self.system
+        for member in system.members:
+            if not len(member.plain):
+                member.advance(time, size)
+                continue
+            arriving = system.values[member.sources]
+            places = member.sources[member.plain]
+            arriving[member.plain] = 0.5 * (begin[places] + arriving[member.plain])
+            member.gather_from(arriving)
+            member.unit.step(time, size)
+            if member.direct:
+                member.gather()
+            member.unit.receive(0)
+        system.follow()

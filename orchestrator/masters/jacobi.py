@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
-from ..system import System
+from .base import Master
 
 
-@dataclass(frozen=True)
-class Jacobi:
+class Jacobi(Master):
     """Step all units from the values of the last communication point.
 
     Laws are extrapolated over the step, so the error is larger than that of a sequential
@@ -17,13 +13,11 @@ class Jacobi:
     matter. First order with held values, second with laws. One step call per unit.
     """
 
-    needs_rollback: ClassVar[bool] = False
-
-    def advance(self, system: System, time: float, size: float) -> None:
-        for member in system.members:
+    def advance(self, time: float, size: float) -> None:
+        members = self.system.members
+        for member in members:
             member.gather()
-        for member in system.members:
+        for member in members:
             member.unit.step(time, size)
             member.unit.receive(0)
-        for member in system.followers:
-            member.follow()
+        self.system.follow()

@@ -10,7 +10,7 @@ import pytest
 from orchestrator.metrics import metrics
 from orchestrator.reference import as_recorded, monolithic
 from orchestrator.results import Outcome, dataset
-from orchestrator.run import load, run
+from orchestrator.simulation import load, run
 from tests.conftest import Runner
 
 FLAPPING = ("flapping-no-wing", "flapping-frames", "flapping-full-wings")

@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.metrics import metrics
 from orchestrator.results import dataset
-from orchestrator.run import load, run
+from orchestrator.simulation import load, run
 from tests.conftest import Runner
 
 PREDICTED = (51.8, 35.7, 25.2, 28.8, 50.5)

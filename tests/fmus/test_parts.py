@@ -26,7 +26,7 @@ from fmus.part import Part
 from fmus.units import exponents
 from orchestrator.archive import extract
 from orchestrator.interface import Interface, read_interface
-from orchestrator.unit import Unit
+from orchestrator.unit import Local, in_process
 
 PARTS = build_fmus.part_names()
 ACCURACY = {"membrane": 1e-5}
@@ -45,12 +45,12 @@ def instance(
     start: dict[str, float | str] | None = None,
     name: str = "unit",
     initialised: bool = True,
-) -> Iterator[tuple[Unit, Interface, Any, Any]]:
+) -> Iterator[tuple[Local, Interface, Any, Any]]:
     """An initialised unit with buffers over all real inputs and outputs."""
     interface = read_interface(path)
     if not any(folder.iterdir()):
         extract(path, folder)
-    unit = Unit(name, interface, folder)
+    unit = in_process(name, interface, folder)
     try:
         unit.prepare(start or {}, 0.0, 1.0, None)
         inputs = [v for v in interface.of("input") if v.kind == "Real"]
@@ -254,16 +254,16 @@ def test_rollback_is_bitwise(library: Path, tmp_path: Path, name: str, serialise
         unit.forget(state)
 
 
-def _through_bytes(unit: Unit, state: Any) -> Any:
-    api = unit._fmu
+def _through_bytes(unit: Local, state: Any) -> Any:
+    """A state written to bytes and read back; FMI's own functions, which no master needs."""
+    library, instance = unit._library, ctypes.c_void_p(unit._instance)
     size = ctypes.c_size_t()
-    assert api.fmi2SerializedFMUstateSize(unit._instance, state, ctypes.byref(size)) == 0
+    assert library.fmi2SerializedFMUstateSize(instance, state, ctypes.byref(size)) == 0
     buffer = ctypes.create_string_buffer(size.value)
-    assert api.fmi2SerializeFMUstate(unit._instance, state, buffer, size) == 0
-    other = unit._api.fmi2FMUstate()
-    call = api.fmi2DeSerializeFMUstate
-    assert call(unit._instance, buffer, size, ctypes.byref(other)) == 0
-    unit.forget(state)
+    assert library.fmi2SerializeFMUstate(instance, state, buffer, size) == 0
+    other = ctypes.c_void_p()
+    read = library.fmi2DeSerializeFMUstate
+    assert read(instance, buffer, size, ctypes.byref(other)) == 0
     return other
 
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
+import jsonschema
+import pytest
 import xarray
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
+from orchestrator.scenario import scene_names, scene_path
 
 runner = CliRunner()
 
@@ -84,3 +89,62 @@ def test_inspect_shows_what_is_wired_and_held(library: Path) -> None:
     wrong = runner.invoke(app, ["inspect", "flapping-no-wings", "--fmus", str(library)])
     assert wrong.exit_code == 2
     assert "did you mean 'flapping-no-wing'" in wrong.output
+
+
+def test_json_for_scripts(library: Path, tmp_path: Path) -> None:
+    options = ["--fmus", str(library), "--stop", "4 cycles", "--step", "40 per cycle", "--json"]
+    target = ["--output", str(tmp_path / "a.nc"), "--estimate"]
+    done = runner.invoke(app, ["run", "oscillator-1", *options, *target])
+    assert done.exit_code == 0, done.output
+    facts = json.loads(done.stdout)
+    assert facts["communication_steps"] == 160
+    assert facts["metrics"]["travel"]["unit"] == "m"
+    assert facts["estimated_relative_error"]["payload.displacement"] < 1e-2
+    assert facts["coupling_energies"]["spring.force -> payload.force"]["exchanged"] > 0.0
+    shown = runner.invoke(app, ["inspect", "oscillator-1", "--fmus", str(library), "--json"])
+    assert json.loads(shown.stdout)["loops"] == [["amplifier", "spring", "payload"]]
+
+
+def test_plot_draws_what_matches(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "a.nc"
+    options = ["--fmus", str(library), "--quiet", "--no-picture", "--stop", "4 cycles"]
+    runner.invoke(app, ["run", "oscillator-1", "--output", str(target), *options])
+    done = runner.invoke(
+        app, ["plot", str(target), "--variable", "*_energy", "--output", str(tmp_path / "e.svg")]
+    )
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "e.svg").read_text().startswith("<?xml")
+    wrong = runner.invoke(app, ["plot", str(target), "--variable", "payload.displacment"])
+    assert wrong.exit_code == 2
+    assert "did you mean 'payload.displacement'" in wrong.output
+    for bad in ("e.docx", "none/e.png"):
+        refused = runner.invoke(app, ["plot", str(target), "--output", str(tmp_path / bad)])
+        assert refused.exit_code == 2, refused.output
+        assert "cannot be drawn" in refused.output
+    assert runner.invoke(app, ["plot", str(tmp_path / "none.nc")]).exit_code == 2
+
+
+def test_schema_accepts_every_shipped_scene() -> None:
+    """The schema is for editors, so it has to fit the scenes that there are."""
+    schema = json.loads(runner.invoke(app, ["schema"]).stdout)
+    for name in scene_names():
+        tree = tomllib.loads(scene_path(name).read_text(encoding="utf-8"))
+        jsonschema.validate(tree, schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"tiem": {}}, schema)
+
+
+def test_warnings_are_shown(library: Path, tmp_path: Path) -> None:
+    options = ["--fmus", str(library), "--no-picture", "--laws", "held", "--verbose"]
+    target = ["--output", str(tmp_path / "a.nc")]
+    done = runner.invoke(app, ["run", "oscillator-1", *options, *target, "--stop", "10 cycles"])
+    assert done.exit_code == 0, done.output
+    assert "warning: spring.force -> payload.force creates" in done.output
+    assert "rollbacks" in done.output
+
+
+@pytest.mark.parametrize("command", ["run", "sweep", "inspect", "plot", "recover", "schema"])
+def test_every_command_shows_an_example(command: str) -> None:
+    done = runner.invoke(app, [command, "--help"])
+    assert done.exit_code == 0
+    assert f"resilin {command}" in done.output

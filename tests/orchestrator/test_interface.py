@@ -10,6 +10,7 @@ import pytest
 from orchestrator.archive import DESCRIPTION, read_description
 from orchestrator.errors import FmuError
 from orchestrator.interface import read_interface
+from tests.foreign.build import foreign
 
 HEAD = '<?xml version="1.0" encoding="UTF-8"?>\n'
 MASS = 'name="mass" valueReference="8"'
@@ -159,8 +160,8 @@ def test_identifier_with_a_path_is_refused(
     [
         ("", "no fmiVersion"),
         ('fmiVersion=""', "not supported"),
-        ('fmiVersion="1.0"', "'1.0' is not supported; use FMI 2.0"),
-        ('fmiVersion="3.0"', "'3.0' is not supported; use FMI 2.0"),
+        ('fmiVersion="1.0"', "'1.0' is not supported; use FMI 2.0, 3.0"),
+        ('fmiVersion="3.0-beta"', "'3.0-beta' is not supported; use FMI 2.0, 3.0"),
         ('fmiVersion="2.0&#x202e;"', "not supported"),
         ('fmiVersion="latest"', "'latest' is not supported"),
     ],
@@ -310,3 +311,57 @@ def test_what_is_no_description_is_refused(text: bytes, tmp_path: Path) -> None:
 @pytest.mark.parametrize("cut", [10, 500, 3000, 7000])
 def test_cut_description_is_refused(cut: int, description: str, tmp_path: Path) -> None:
     assert "not XML" in refused(tmp_path, description[:cut])
+
+
+@pytest.fixture(scope="module")
+def third(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The model description of an FMU of FMI 3, with arrays."""
+    return read_description(foreign("TYPES", tmp_path_factory.mktemp("third"), version=3)).decode()
+
+
+SIZE = '<Dimension start="3" />'
+SIZED = """<UInt64 name="size" valueReference="90" causality="structuralParameter"
+ variability="fixed" start="3"/><Float64 name="in_array\""""
+
+
+def test_size_by_a_structural_parameter_is_that_of_its_start(third: str, tmp_path: Path) -> None:
+    """Nothing changes a structural parameter: it would take a mode that no unit is given."""
+    text = replaced(third, '<Float64 name="in_array"', SIZED)
+    text = replaced(text, SIZE, '<Dimension valueReference="90"/>')
+    interface = read_interface(fmu(tmp_path, text))
+    assert [v.name for v in interface.port("in_array", "input")] == [
+        f"in_array[{k}]" for k in (1, 2, 3)
+    ]
+    assert interface.variables["size"].causality == "structuralParameter"
+
+
+@pytest.mark.parametrize(
+    "size",
+    [
+        "<Dimension/>",
+        '<Dimension valueReference="999"/>',
+        '<Dimension valueReference="41"/>',
+        '<Dimension valueReference="39"/>',
+    ],
+    ids=["none", "nowhere", "matrix", "itself"],
+)
+def test_dimension_without_a_size_is_refused(size: str, third: str, tmp_path: Path) -> None:
+    message = refused(tmp_path, replaced(third, SIZE, size))
+    assert "the dimension has no size, nor a variable that gives it" in message
+    assert "line " in message
+
+
+def test_arrays_without_end_are_refused_before_they_are_made(third: str, tmp_path: Path) -> None:
+    text = third.replace(SIZE, '<Dimension start="300000" />').replace('start="0.0 0.0 0.0"', "")
+    text = replaced(text, 'variability="continuous" >', 'variability="continuous" start="0">')
+    message = refused(tmp_path, text)
+    assert "variables and elements; at most 500000 are read" in message
+
+
+def test_clocks_are_left_out(third: str, tmp_path: Path) -> None:
+    clock = (
+        '<Clock name="tick" valueReference="90" causality="input" variability="discrete"'
+        ' intervalVariability="triggered"/>'
+    )
+    text = replaced(third, "</ModelVariables>", f"{clock}</ModelVariables>")
+    assert "tick" not in read_interface(fmu(tmp_path, text)).variables

@@ -11,7 +11,7 @@ import pytest
 from orchestrator.errors import SceneError, SimulationError
 from orchestrator.masters import MASTERS
 from orchestrator.reference import as_recorded, monolithic
-from orchestrator.run import load, run
+from orchestrator.simulation import load, run
 from tests.conftest import Runner
 
 KINDS = sorted(MASTERS)

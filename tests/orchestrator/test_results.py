@@ -15,8 +15,9 @@ from tests.conftest import Runner
 
 
 def test_a_result_says_where_it_comes_from(outcome: Runner, tmp_path: Path) -> None:
-    data = dataset(outcome("flapping-full-wings", time={"stop": "3 cycles"}))
-    path = write(data, tmp_path / "run.nc")
+    done = outcome("flapping-full-wings", time={"stop": "3 cycles"})
+    data = dataset(done)
+    path = write(done, tmp_path / "run.nc")
     with xarray.open_dataset(path) as read:
         assert read["linkage.flap_angle"].attrs["units"] == "rad"
         assert read["linkage.displacement"].dims == ("time",)
@@ -32,7 +33,7 @@ def test_an_incomplete_run_stands_beside_its_place(outcome: Runner, tmp_path: Pa
         "oscillator-1", {"payload.start_velocity": "9000", "spring.blocked_force": "0"}
     )
     assert failed.failure is not None
-    path = write(dataset(failed), tmp_path / "run.nc")
+    path = write(failed, tmp_path / "run.nc")
     assert path == tmp_path / "run.partial.nc" == partial_path(tmp_path / "run.nc")
     with xarray.open_dataset(path) as read:
         assert read.attrs["complete"] == 0

@@ -1,0 +1,77 @@
+"""The master's own cost: a communication step beside a bare loop of FMI calls, in one run.
+
+`python benchmarks/overhead.py [SCENE ...]`. The bare loop calls set, doStep and get of the same
+instances with preallocated buffers and moves nothing between them; `calls` repeats exactly
+the FMI calls that the master makes, followers included. The minimum of several
+repeats is shown, in microseconds per communication step and unit.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from time import perf_counter
+
+from orchestrator.masters import GaussSeidel
+from orchestrator.plan import Plan
+from orchestrator.simulation import advance, load
+from orchestrator.system import System
+
+STEPS = 1000
+REPEATS = 7
+SCENES = ("oscillator-1", "flapping-no-wing", "flapping-full-wings")
+
+
+def bare(system: System, followers: bool) -> float:
+    """Seconds for `STEPS` rounds of FMI calls."""
+    units = [member.unit for member in system.members]
+    again = [member.unit for member in system.followers] if followers else []
+    step = system.plan.grid.step
+    begun = perf_counter()
+    for k in range(STEPS):
+        time = k * step
+        for unit in units:
+            unit._send()  # type: ignore[attr-defined]
+            unit._do_step(unit._instance, time, step, 1)  # type: ignore[attr-defined]
+            unit._receive[-1]()  # type: ignore[attr-defined]
+        for unit in again:
+            unit._send()  # type: ignore[attr-defined]
+            unit._receive[-1]()  # type: ignore[attr-defined]
+    return perf_counter() - begun
+
+
+def ours(system: System) -> float:
+    """Seconds for `STEPS` steps of the sequential master, nothing recorded."""
+    method = GaussSeidel(system, system.plan.scenario.master)
+    begun = perf_counter()
+    advance(system, method, [])
+    return perf_counter() - begun
+
+
+def least(plan: Plan, measure: Callable[[System], float]) -> float:
+    """Minimum over repeats, each on fresh instances."""
+    found = []
+    for _ in range(REPEATS):
+        with System(plan) as system:
+            found.append(measure(system))
+    return min(found)
+
+
+def main() -> None:
+    print(f"{'scene':22} {'units':>5} {'bare':>8} {'calls':>8} {'master':>8}  of bare  of calls")
+    for name in sys.argv[1:] or SCENES:
+        base = load(name)
+        stop = STEPS * base.grid.step
+        plan = load(name, time={"stop": stop})
+        scale = 1e6 / STEPS / len(plan.order)
+        plain = scale * least(plan, lambda system: bare(system, False))
+        same = scale * least(plan, lambda system: bare(system, True))
+        master = scale * least(plan, ours)
+        print(
+            f"{name:22} {len(plan.order):5} {plain:8.1f} {same:8.1f} {master:8.1f}"
+            f"  {master / plain:7.2f} {master / same:8.2f}"
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+"""The command `resilin`.
+
+Exit codes: 0 done; 1 the run stopped, its records are kept; 2 wrong input, nothing is written;
+130 Ctrl-C, 143 SIGTERM, 129 a closed terminal, records kept.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+
+import typer
+
+from . import build, exchange, inspect, linearise, plot, precision, run, sweep
+
+app = typer.Typer(
+    add_completion=True,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Co-simulation of a flapping-wing vehicle driven by dielectric elastomers.",
+    epilog="Exit codes: 0 done, 1 the run stopped, 2 wrong input, 130 Ctrl-C, 143 SIGTERM.",
+)
+for module in (build, run, sweep, precision, linearise, inspect, plot, exchange):
+    module.add_to(app)
+
+
+def main() -> None:
+    """Run the command; what the terminal cannot show is escaped, not an error."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="backslashreplace")
+    try:
+        app()
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
+
+
+def entry() -> None:
+    """The command of the package: `main`, then out without tearing down the interpreter.
+
+    PythonFMU's library touches freed memory when the process takes it down; everything of
+    ours is closed and flushed by then.
+    """
+    code: object = 0
+    try:
+        main()
+    except SystemExit as error:
+        code = error.code
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(code if isinstance(code, int) else int(code is not None))

@@ -1,0 +1,5 @@
+"""`python -m orchestrator.cli`: the command without its script."""
+
+from . import entry
+
+entry()

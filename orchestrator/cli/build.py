@@ -1,0 +1,23 @@
+"""`resilin build`: parts to FMUs."""
+
+from __future__ import annotations
+
+import typer
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command, whose options are the builder's own."""
+    settings = {"allow_extra_args": True, "ignore_unknown_options": True}
+    app.command("build", context_settings=settings, add_help_option=False)(build)
+
+
+def build(context: typer.Context) -> None:
+    """Build the parts into FMUs; the same as `python build_fmus.py`.
+
+    Example: resilin build linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
+    """
+    import build_fmus
+
+    builder = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    builder.command()(build_fmus.build_command)
+    builder(args=context.args, prog_name="resilin build")

@@ -1,0 +1,107 @@
+"""What the commands share: options, assignments, errors, output for scripts."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import InputError, ResilinError, printable
+
+SceneName = Annotated[str, typer.Argument(help="A shipped scene's name, or a TOML file.")]
+Sets = Annotated[
+    list[str] | None,
+    typer.Option("--set", help='Start value, as amplifier.frequency="20 Hz".'),
+]
+Laws = Annotated[
+    str | None, typer.Option(help="How much of each port is used: held, affine, curvature.")
+]
+Kind = Annotated[
+    str | None,
+    typer.Option(
+        "--master", help="gauss-seidel, jacobi, extrapolated, iterative or interface-newton."
+    ),
+]
+Library = Annotated[Path, typer.Option("--fmus", help="Folder of the built parts.")]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts, nothing else.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
+Stop = Annotated[str | None, typer.Option(help='End of the run, as "2 s" or "40 cycles".')]
+Step = Annotated[
+    str | None, typer.Option(help='Communication step, as "0.1 ms" or "100 per cycle".')
+]
+Tolerance = Annotated[
+    float | None, typer.Option(help="Let an error estimate choose the steps, as 1e-3.")
+]
+BUILT = Path("build/fmus")
+
+
+def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:
+    """`component.name=value` texts of an option as a table."""
+    changes = {}
+    for text in texts or []:
+        name, equals, value = text.partition("=")
+        component, _, parameter = name.strip().partition(".")
+        if not (equals and component and parameter):
+            raise InputError(f"{option} {text!r}: write component.parameter=value")
+        changes[name.strip()] = value.strip()
+    return changes
+
+
+def overrides(
+    laws: str | None = None,
+    kind: str | None = None,
+    stop: str | None = None,
+    step: str | None = None,
+    tolerance: float | None = None,
+) -> dict[str, dict[str, Any]]:
+    """Keys of a scene that options replace, those alone that were given."""
+    sized: Any = step
+    if step is not None and step.split()[1:] == ["per", "cycle"] and step.split()[0].isdigit():
+        sized = {"per_cycle": int(step.split()[0])}
+    tables = {
+        "master": {"laws": laws, "kind": kind},
+        "time": {"stop": stop, "step": sized, "tolerance": tolerance},
+    }
+    given = {
+        name: {key: value for key, value in table.items() if value is not None}
+        for name, table in tables.items()
+    }
+    return {name: table for name, table in given.items() if table}
+
+
+@contextmanager
+def reported() -> Iterator[None]:
+    """A user's mistake as lines on standard error and an exit code, never a traceback."""
+    from ..interrupt import Interrupted
+
+    try:
+        yield
+    except (ResilinError, Interrupted) as error:
+        fail(str(error), error.exit_code)
+
+
+def fail(message: str, code: int) -> None:
+    """Print each line of a message as an error and leave with an exit code."""
+    for line in message.split("\n"):
+        typer.echo(f"resilin: {printable(line, most=900)}", err=True)
+    raise typer.Exit(code)
+
+
+def print_json(content: Any) -> None:
+    """One JSON document on standard output; what is no finite number is null."""
+    typer.echo(json.dumps(_finite(content), indent=1))
+
+
+def _finite(content: Any) -> Any:
+    if isinstance(content, dict):
+        return {str(key): _finite(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [_finite(value) for value in content]
+    if isinstance(content, float) and not math.isfinite(content):
+        return None
+    return content

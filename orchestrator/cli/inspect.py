@@ -1,0 +1,96 @@
+"""`resilin inspect`, `resilin scenes`: what there is, before anything runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import common
+
+if TYPE_CHECKING:
+    from ..plan import Plan
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the commands."""
+    app.command("inspect")(inspect)
+    app.command("scenes")(scenes)
+
+
+def inspect(
+    scene: common.SceneName,
+    set_: common.Sets = None,
+    laws: common.Laws = None,
+    kind: common.Kind = None,
+    fmus: common.Library = common.BUILT,
+    diagram: Annotated[
+        Path | None, typer.Option(help="Draw units and wires into an .svg or .png file.")
+    ] = None,
+    stability: Annotated[
+        bool,
+        typer.Option(
+            "--stability", help="Load the units; warn of a coupling unstable at its step."
+        ),
+    ] = False,
+    json: common.Json = False,
+) -> None:
+    """Check a scene and show what it is made of; nothing is loaded or stepped.
+
+    Example: resilin inspect flapping-full-wings --diagram vehicle.svg
+    """
+    from ..simulation import load
+
+    with common.reported():
+        options = common.overrides(laws, kind)
+        plan = load(scene, common.assignments(set_), fmus, **options)
+        if diagram is not None:
+            from ..diagram import draw
+
+            draw(plan, diagram)
+        told = _stability(plan) if stability else ""
+    if json:
+        from ..inspection import facts
+
+        common.print_json(facts(plan))
+        return
+    from rich.console import Console
+
+    from ..inspection import tables
+
+    for table in tables(plan):
+        Console().print(table)
+    if told:
+        typer.echo(told)
+    if diagram is not None:
+        typer.echo(f"diagram: {diagram}")
+
+
+def _stability(plan: Plan) -> str:
+    """What the linear step map says of the scene's master and step, the wire named."""
+    from ..studies.stepmap import MAPPED, SLACK, step_map
+
+    kind = plan.scenario.master.kind
+    if kind not in MAPPED:
+        return f"no prediction for {kind}: its step has no linear map"
+    mapped = step_map(plan)
+    radius = mapped.radius(kind)
+    if radius <= 1.0 + SLACK:
+        return f"{kind} at {plan.grid.step:.4g} s is stable: spectral radius {radius:.4f}"
+    return (
+        f"warning: {mapped.culprit(kind)} is unstable with {kind} at {plan.grid.step:.4g} s:"
+        f" it grows by {radius:.4f} each step; lower the step, connect whole ports, or use"
+        " another master"
+    )
+
+
+def scenes() -> None:
+    """List the scenes that come with the package.
+
+    Example: resilin scenes
+    """
+    from ..scenario import load_scenario, scene_names
+
+    for name in scene_names():
+        typer.echo(f"{name:24} {load_scenario(name)[0].title}")

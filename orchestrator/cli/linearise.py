@@ -1,0 +1,94 @@
+"""`resilin linearise`: poles, frequency response and coupling stability of a scene at rest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from . import common
+
+if TYPE_CHECKING:
+    from ..studies.linear import Linear
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("linearise")(linearise)
+
+
+def linearise(
+    scene: common.SceneName,
+    input_: Annotated[
+        list[str] | None, typer.Option("--input", help="Held input to nudge; all if not given.")
+    ] = None,
+    output: Annotated[
+        list[str] | None, typer.Option(help="Recorded variable; all if not given. May repeat.")
+    ] = None,
+    set_: common.Sets = None,
+    hold: Annotated[
+        list[str] | None,
+        typer.Option(help='Value of a held input, as amplifier.command.top="1 kV".'),
+    ] = None,
+    kind: common.Kind = None,
+    laws: common.Laws = None,
+    step: common.Step = None,
+    bode: Annotated[
+        Path | None, typer.Option(help="Draw the frequency response into this file.")
+    ] = None,
+    fmus: common.Library = common.BUILT,
+    json: common.Json = False,
+) -> None:
+    """Linearise a scene about its state of rest, through the FMUs alone.
+
+    Example: resilin linearise oscillator-1 --set amplifier.waveform=external
+    --hold amplifier.command.top="1 kV" --bode bode.svg
+    """
+    from ..simulation import load
+    from ..studies.linear import linearise as linearised
+    from ..studies.stepmap import MAPPED, step_map
+
+    with common.reported():
+        options: dict[str, Any] = common.overrides(laws, kind, step=step)
+        held = common.assignments(hold, "--hold")
+        plan = load(scene, common.assignments(set_), fmus, **options, hold=held)
+        found = linearised(plan, input_, output)
+        mapped = step_map(plan)
+        radii = {name: mapped.radius(name) for name in MAPPED}
+        if bode is not None:
+            from ..studies.bode import draw
+
+            draw(found, bode, plan.frequency)
+    if json:
+        poles = found.eigenvalues()
+        common.print_json(
+            {
+                "poles": [[pole.real, pole.imag] for pole in poles],
+                "spectral_radius": radii,
+                "rest": dict(zip(found.outputs, found.rest.tolist(), strict=True)),
+            }
+        )
+        return
+    _report(found, radii)
+
+
+def _report(found: Linear, radii: dict[str, float]) -> None:
+    import numpy as np
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("pole (1/s)", "natural frequency", "damping ratio", title="poles, slowest first")
+    for pole in found.eigenvalues():
+        if pole.imag < 0.0:
+            continue
+        size = abs(pole)
+        text = f"{pole.real:.6g}" + (f" +- {pole.imag:.6g} i" if pole.imag else "")
+        table.add_row(text, f"{size / (2 * np.pi):.5g} Hz", f"{-pole.real / size:.5g}")
+    console = Console()
+    console.print(table)
+    for name, radius in radii.items():
+        verdict = "stable" if radius <= 1.0 + 1e-6 else "unstable"
+        console.print(
+            f"{name} at this step: spectral radius {radius:.6f}, {verdict}", highlight=False
+        )

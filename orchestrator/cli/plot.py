@@ -1,0 +1,38 @@
+"""`resilin plot`: a result file as a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import common
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("plot")(plot)
+
+
+def plot(
+    result: Annotated[Path, typer.Argument(help="A result, whole or partial.")],
+    variables: Annotated[
+        list[str] | None, typer.Option("--variable", help="Pattern, as linkage.*; may repeat.")
+    ] = None,
+    cycles: Annotated[float, typer.Option(help="How many of the last cycles; 0 for all.")] = 5.0,
+    output: Annotated[
+        Path | None, typer.Option(help="Picture; RESULT.png if not given. Also .svg, .pdf.")
+    ] = None,
+) -> None:
+    """Draw what a result holds over its last cycles, one panel for each unit of measure.
+
+    Example: resilin plot results/flapping-full-wings.nc --variable "linkage.*_energy"
+    """
+    from ..picture import draw
+    from ..results import opened
+
+    target = output or result.with_suffix(".png")
+    with common.reported(), opened(result) as data:
+        drawn = draw(data, target, variables, cycles)
+    typer.echo(f"picture: {drawn}")

@@ -1,0 +1,94 @@
+"""`resilin precision`: error against run time."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import common
+
+if TYPE_CHECKING:
+    from ..studies.precision import Rung
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("precision")(precision)
+
+
+def precision(
+    scene: common.SceneName,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(help="Master, or master/laws as jacobi/held; may repeat. All if not given."),
+    ] = None,
+    factor: Annotated[
+        list[float] | None,
+        typer.Option(help="Steps as multiples of the scene's; 8 to 1/8 if not given."),
+    ] = None,
+    reference: Annotated[
+        str | None, typer.Option(help="monolith or self; the first that can be had if not given.")
+    ] = None,
+    variable: Annotated[
+        list[str] | None, typer.Option(help="What the errors are of; the motion if not given.")
+    ] = None,
+    repeats: Annotated[int, typer.Option(min=1, help="Runs whose least wall time counts.")] = 3,
+    output: Annotated[
+        Path | None, typer.Option(help="CSV; results/SCENE.precision.csv if not given.")
+    ] = None,
+    set_: common.Sets = None,
+    stop: common.Stop = None,
+    fmus: common.Library = common.BUILT,
+    json: common.Json = False,
+    quiet: common.Quiet = False,
+) -> None:
+    """Run a scene by every method over a ladder of steps: error, order and run time of each.
+
+    Example: resilin precision flapping-full-wings --stop "10 cycles"
+    """
+    from ..errors import InputError
+    from ..interrupt import Interrupt
+    from ..studies.ladder import advice, draw, facts, table, write
+    from ..studies.precision import LADDER, parse_method
+    from ..studies.precision import precision as study_precision
+
+    target = output or Path("results") / f"{Path(scene).stem}.precision.csv"
+
+    def tell(rung: Rung) -> None:
+        if sys.stderr.isatty() and not (quiet or json):
+            typer.echo(f"{rung.method}, step {rung.step:.4g} s: {rung.status[:60]}", err=True)
+
+    with Interrupt() as interrupt, common.reported():
+        if reference not in (None, "monolith", "self"):
+            raise InputError(f"--reference {reference!r}: monolith or self")
+        if any(not f > 0.0 for f in factor or []):
+            raise InputError("--factor: has to be above zero")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        study = study_precision(
+            scene,
+            fmus,
+            methods=[parse_method(text) for text in method or []] or None,
+            ladder=factor or LADDER,
+            reference="self" if reference == "self" else "monolith" if reference else None,
+            variables=variable,
+            repeats=repeats,
+            changes=common.assignments(set_),
+            options=common.overrides(stop=stop),
+            interrupt=interrupt,
+            tell=tell,
+        )
+        write(study, target)
+        drawn = draw(study, target.with_suffix(".svg"))
+    if json:
+        common.print_json({"reference": study.reference, "rungs": facts(study)})
+    elif not quiet:
+        from rich.console import Console
+
+        Console().print(table(study))
+        typer.echo(f"errors of {', '.join(study.variables)} against {study.reference}")
+        for line in advice(study):
+            typer.echo(line)
+        typer.echo(f"table:   {target}\npicture: {drawn}")

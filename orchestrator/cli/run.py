@@ -1,0 +1,189 @@
+"""`resilin run`: a scene from start to stop, its result, its picture, its numbers."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from . import common
+
+if TYPE_CHECKING:
+    import xarray
+
+    from ..results import Outcome
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the commands."""
+    app.command("run")(run)
+    app.command("recover")(recover)
+
+
+def run(
+    scene: common.SceneName,
+    output: Annotated[
+        Path | None, typer.Option(help="Result file; results/SCENE.nc if not given.")
+    ] = None,
+    set_: common.Sets = None,
+    laws: common.Laws = None,
+    kind: common.Kind = None,
+    stop: common.Stop = None,
+    step: common.Step = None,
+    tolerance: common.Tolerance = None,
+    estimate: Annotated[
+        bool | None,
+        typer.Option(help="Run again at half the step to say how wrong the result is."),
+    ] = None,
+    fmus: common.Library = common.BUILT,
+    picture: Annotated[bool, typer.Option(help="Draw a PNG beside the result.")] = True,
+    json: common.Json = False,
+    quiet: common.Quiet = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Print calls, energies and messages too.")
+    ] = False,
+) -> None:
+    """Run a scene; write its result, draw it, print the numbers that matter.
+
+    Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz" --estimate
+    """
+    from ..interrupt import Interrupt
+    from ..results import clear, partial_path, prepare, segments_for, write
+    from ..simulation import load
+    from ..simulation import run as run_plan
+
+    target = output or Path("results") / f"{Path(scene).stem}.nc"
+    with Interrupt() as interrupt, common.reported():
+        options = common.overrides(laws, kind, stop, step, tolerance)
+        plan = load(scene, common.assignments(set_), fmus, **options)
+        prepare(target)
+        interrupt.check()
+        clear(target)
+        progress = not (quiet or json) and sys.stderr.isatty()
+        outcome = run_plan(
+            plan,
+            progress=progress,
+            interrupt=interrupt,
+            segments=segments_for(plan, target),
+            estimate=estimate,
+        )
+        written = write(outcome, target)
+    if outcome.failure is not None:
+        kept = f"{outcome.kept} rows are kept in {partial_path(target)}"
+        common.fail(f"{outcome.failure}; {kept}", getattr(outcome.failure, "exit_code", 1))
+    _show(outcome, written, picture=picture, json=json, quiet=quiet, verbose=verbose)
+
+
+def recover(
+    folder: Annotated[Path, typer.Argument(help="NAME.segments, as a killed run leaves it.")],
+) -> None:
+    """Make a partial result of the rows that a killed run had written.
+
+    Example: resilin recover results/oscillator-1.segments
+    """
+    from ..results import recover as recovered
+
+    with common.reported():
+        path, rows = recovered(folder)
+    typer.echo(f"{rows} rows: {path}")
+
+
+def _show(
+    outcome: Outcome, written: Path, *, picture: bool, json: bool, quiet: bool, verbose: bool
+) -> None:
+    """What a run has to tell, from the file that it has written."""
+    import xarray
+
+    from ..metrics import metrics
+
+    drawn: Path | None = None
+    with xarray.open_dataset(written) as data:
+        if picture:
+            drawn = _drawn(data, written)
+        if quiet:
+            return
+        found = metrics(data, outcome.plan.scenario.metrics.cycles)
+    if json:
+        common.print_json(_facts(outcome, found, written, drawn))
+        return
+    try:
+        _report(outcome, found, written, drawn, verbose)
+    except OSError as error:
+        common.fail(f"standard output: {error.strerror}; {written} is whole", 1)
+
+
+def _drawn(data: xarray.Dataset, written: Path) -> Path | None:
+    from ..errors import OutputError
+    from ..picture import draw
+
+    path = written.with_suffix(".png")
+    try:
+        return draw(data, path)
+    except OutputError as error:
+        common.fail(f"{error}; {written} is whole", 2)
+    return None
+
+
+def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> dict[str, Any]:
+    """The same for scripts."""
+    estimates = outcome.estimates or {}
+    return {
+        "title": outcome.plan.scenario.title,
+        "result": str(written),
+        "picture": str(drawn) if drawn else None,
+        "metrics": {m.name: {"value": m.value, "unit": m.unit} for m in found},
+        "communication_steps": outcome.steps,
+        "rejected_steps": outcome.rejected,
+        "step_calls": outcome.calls,
+        "rollbacks": outcome.rollbacks,
+        "wall_time": outcome.wall_time,
+        "simulated": outcome.simulated,
+        "estimated_error": {name: e.error for name, e in estimates.items()},
+        "estimated_relative_error": {name: e.relative for name, e in estimates.items()},
+        "no_estimate": outcome.doubt,
+        "coupling_energies": {
+            name: {"created": created, "exchanged": exchanged}
+            for name, (created, exchanged) in outcome.couplings.items()
+        },
+    }
+
+
+def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, verbose: bool) -> None:
+    """Print the table of metrics, what is to be warned of, and where the files are."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    from ..errors import printable
+    from ..report import couplings, errors, warnings
+
+    console = Console()
+    table = Table(title=Text(printable(outcome.plan.scenario.title)), title_justify="left")
+    table.add_column("metric")
+    table.add_column("value", justify="right")
+    for metric in found:
+        table.add_row(metric.name, metric.shown)
+    console.print(table)
+    speed = outcome.simulated / outcome.wall_time
+    rejected = f" and {outcome.rejected} rejected" if outcome.rejected else ""
+    console.print(
+        f"{outcome.steps} communication steps{rejected}, {outcome.simulated:.3f} s simulated in"
+        f" {outcome.wall_time:.2f} s, {speed:.1f} times real time",
+        highlight=False,
+    )
+    if outcome.estimates is not None:
+        console.print(errors(outcome))
+    if verbose:
+        console.print(couplings(outcome))
+        for name, count in outcome.calls.items():
+            back = outcome.rollbacks.get(name, 0)
+            console.print(f"{name}: {count} steps, {back} rollbacks", highlight=False)
+        console.print(f"residual at the start: {outcome.residual:.2g}", highlight=False)
+    for line in warnings(outcome):
+        console.print(Text(f"warning: {line}"), soft_wrap=True)
+    for label, path in (("result: ", written), ("picture:", drawn)):
+        if path is not None:
+            shown = Text(f"{label} {printable(str(path), most=1000)}")
+            console.print(shown, soft_wrap=True)

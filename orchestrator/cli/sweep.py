@@ -1,0 +1,85 @@
+"""`resilin sweep`: a scene over ranges of its start values."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import common
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("sweep")(sweep)
+
+
+def sweep(
+    scene: common.SceneName,
+    over: Annotated[
+        list[str],
+        typer.Option(help="Axis, as amplifier.frequency=1:50:2Hz, =1:50/26Hz or =2,4,6,8."),
+    ],
+    output: Annotated[
+        Path | None, typer.Option(help="Result file; results/SCENE.sweep.nc if not given.")
+    ] = None,
+    set_: common.Sets = None,
+    laws: common.Laws = None,
+    kind: common.Kind = None,
+    stop: common.Stop = None,
+    step: common.Step = None,
+    tolerance: common.Tolerance = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes here; as many as processors if not given.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a running dask scheduler, as tcp://host:8786.")
+    ] = None,
+    patience: Annotated[float | None, typer.Option(help="Seconds that one point may take.")] = None,
+    refine: Annotated[
+        str | None, typer.Option(help='Metric whose peak gets more points, as "travel".')
+    ] = None,
+    fmus: common.Library = common.BUILT,
+    json: common.Json = False,
+    quiet: common.Quiet = False,
+) -> None:
+    """Run a scene at every point of a grid of start values; keep its metrics.
+
+    A point that fails costs that point alone. A sweep that was stopped goes on where it was when
+    the same command is given again.
+
+    Example: resilin sweep flapping-full-wings --over amplifier.frequency=10:26:1Hz
+    """
+    from ..interrupt import Interrupt
+    from ..studies.sweep import parse_axis
+    from ..studies.sweep import sweep as run_sweep
+
+    target = output or Path("results") / f"{Path(scene).stem}.sweep.nc"
+    with Interrupt() as interrupt, common.reported():
+        data = run_sweep(
+            scene,
+            [parse_axis(text) for text in over],
+            fmus,
+            target,
+            changes=common.assignments(set_),
+            options=common.overrides(laws, kind, stop, step, tolerance),
+            workers=workers,
+            scheduler=scheduler,
+            patience=patience,
+            refine=refine,
+            progress=not (quiet or json) and sys.stderr.isatty(),
+            interrupt=interrupt,
+        )
+    if json:
+        from ..studies.summary import facts
+
+        common.print_json({"result": str(target), "points": facts(data)})
+    elif not quiet:
+        from rich.console import Console
+
+        from ..studies.summary import table
+
+        Console().print(table(data))
+        typer.echo(f"result:  {target}")

@@ -1,0 +1,197 @@
+"""A scene held against what its FMUs say of themselves: names, units, causality, time.
+
+Nothing is loaded here. The result is a :class:`Plan`, or a :class:`SceneError` that lists all
+that does not fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from math import inf
+from pathlib import Path
+
+from .errors import FmuError, SceneError, nearest, printable
+from .grid import Grid, frequency_of, grid_of, seconds
+from .interface import Interface, Variable, read_interface
+from .order import order_of
+from .scenario import Scenario, is_file
+from .starts import Action, actions_of, starts_of
+from .unit.base import Limits
+from .units import UnitError, si_value
+from .wiring import Connection, check_all_fed, connections_of, held_of
+
+LIBRARY = Path("build") / "fmus"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A checked scene: what to load, how it is wired, when it communicates, what is kept.
+
+    `limits` holds for isolated units; `keep_from` is the time [s] from which rows are kept.
+    """
+
+    scenario: Scenario
+    path: Path
+    interfaces: dict[str, Interface]
+    starts: dict[str, dict[str, float | str]]
+    connections: list[Connection]
+    held: dict[str, float]
+    order: list[str]
+    records: list[tuple[str, Variable]]
+    grid: Grid
+    frequency: float | None
+    actions: list[Action] = field(default_factory=list)
+    limits: dict[str, Limits] = field(default_factory=dict)
+    keep_from: float = -inf
+
+    @property
+    def fixed_step(self) -> list[str]:
+        """Units that take steps of one size only."""
+        return [name for name, known in self.interfaces.items() if not known.variable_step]
+
+
+def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
+    """Resolve a scene against its FMUs; `SceneError` with every problem."""
+    problems: list[str] = []
+    if not scenario.components:
+        raise SceneError(f"{path}: components: a scene needs at least one")
+    interfaces = _interfaces(scenario, path, library, problems)
+    if problems:
+        raise SceneError(f"{path}: {problem}" for problem in problems)
+    starts = starts_of(scenario, interfaces, problems)
+    fed: dict[str, str] = {}
+    connections = connections_of(scenario, interfaces, fed, problems)
+    held = held_of(scenario, interfaces, fed, problems)
+    if not any(problem.startswith(("hold", "wires")) for problem in problems):
+        check_all_fed(interfaces, fed, problems)
+    order = order_of(scenario, connections, problems)
+    records = _records(scenario, interfaces, problems)
+    frequency = frequency_of(scenario, interfaces, starts, problems)
+    grid = grid_of(scenario, frequency, problems)
+    actions = actions_of(scenario, interfaces, held, frequency, problems)
+    limits = _limits(scenario, problems)
+    keep_from = _keep_from(scenario, grid, frequency, problems)
+    if problems or grid is None:
+        raise SceneError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
+    plan = Plan(
+        *(scenario, path, interfaces, starts, connections, held, order, records),
+        *(grid, frequency, actions, limits, keep_from),
+    )
+    if problems := list(_uneven(plan)):
+        raise SceneError(f"{path}: {problem}" for problem in problems)
+    return plan
+
+
+def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:
+    """What each isolated unit may take, where the scene says so."""
+    limits = {}
+    for name, component in scenario.components.items():
+        values = {}
+        for key, given, unit in (
+            ("patience", component.patience, "s"),
+            ("memory", component.memory, "byte"),
+        ):
+            if given is None:
+                continue
+            try:
+                values[key] = si_value(given, unit)
+            except UnitError as error:
+                problems.append(f"components.{name}.{key}: {error}")
+                continue
+            if values[key] <= 0.0:
+                problems.append(f"components.{name}.{key}: must be above zero")
+        usual = Limits()
+        limits[name] = Limits(
+            values.get("patience", usual.patience), int(values.get("memory", usual.memory))
+        )
+    return limits
+
+
+def _keep_from(
+    scenario: Scenario, grid: Grid | None, frequency: float | None, problems: list[str]
+) -> float:
+    """Time from which rows are kept: all of the run, or a last stretch of it."""
+    if scenario.record.last is None or grid is None:
+        return -inf
+    last = seconds("record.last", scenario.record.last, frequency, problems)
+    if last <= 0.0:
+        problems.append("record.last: must be above zero")
+    return grid.stop - last - 1e-9 * grid.step
+
+
+def _uneven(plan: Plan) -> Iterator[str]:
+    """What a scene asks of units that take steps of one size only."""
+    fixed = ", ".join(plan.fixed_step)
+    grid = plan.grid
+    if not fixed:
+        return
+    if abs(grid.start + grid.count * grid.step - grid.stop) > 1e-9 * grid.step:
+        yield (
+            f"time.stop: {fixed} takes steps of one size only, and {grid.stop - grid.start:g} s is"
+            f" no multiple of {grid.step:g} s"
+        )
+    if plan.scenario.time.tolerance is not None:
+        yield f"time.tolerance: needs steps of any size, which {fixed} cannot take; give a step"
+
+
+def fmu_path(name: str, scene: Path, library: Path) -> Path:
+    """File of a component: a built part by name, or a path from the scene's folder."""
+    if name.endswith(".fmu") or "/" in name:
+        given = Path(name)
+        return given if given.is_absolute() else scene.parent / given
+    return library / f"{name}.fmu"
+
+
+def _interfaces(
+    scenario: Scenario, path: Path, library: Path, problems: list[str]
+) -> dict[str, Interface]:
+    """Interface of each component, each file read once."""
+    known: dict[Path, Interface] = {}
+    interfaces: dict[str, Interface] = {}
+    for name, component in scenario.components.items():
+        if not name.isidentifier():
+            problems.append(f"components.{printable(name)}: not a name of letters, digits and _")
+            continue
+        file = fmu_path(component.fmu, path, library)
+        if file not in known:
+            try:
+                if file.parent == library and not is_file(file):
+                    raise FmuError(_missing_part(component.fmu, library))
+                known[file] = read_interface(file)
+            except FmuError as error:
+                problems.append(f"components.{name}.fmu: {error}")
+                continue
+        interfaces[name] = known[file]
+    return interfaces
+
+
+def _missing_part(name: str, library: Path) -> str:
+    built = [p.stem for p in library.glob("*.fmu")] if library.is_dir() else []
+    if not built:
+        return f"no part {name!r} in {library}, which holds no FMU; run: resilin build"
+    return f"no part {name!r} in {library}; {nearest(name, built)} (resilin build makes parts)"
+
+
+def _records(
+    scenario: Scenario, interfaces: dict[str, Interface], problems: list[str]
+) -> list[tuple[str, Variable]]:
+    """Outputs that match a pattern of the record list, in the scene's order."""
+    patterns = scenario.record.variables
+    outputs = [
+        (name, v)
+        for name, interface in interfaces.items()
+        for v in interface.of("output")
+        if v.numeric
+    ]
+    names = [f"{name}.{v.name}" for name, v in outputs]
+    for index, pattern in enumerate(patterns):
+        if not any(fnmatchcase(name, pattern) for name in names):
+            hint = nearest(pattern, names)
+            problems.append(f"record.variables[{index}]: no output {printable(pattern)!r}; {hint}")
+    return [
+        entry
+        for entry, name in zip(outputs, names, strict=True)
+        if any(fnmatchcase(name, pattern) for pattern in patterns)
+    ]

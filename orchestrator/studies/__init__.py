@@ -1,0 +1,1 @@
+"""Studies: many runs of a scene, and what they say together."""

@@ -1,0 +1,237 @@
+"""The map from one communication point to the next, linear about rest, and how fast it grows.
+
+Every unit is identified alone, with its inputs held over a step; the master then composes the
+units as it steps them. The spectral radius of the whole says whether the coupling is stable at
+this step, before anything is run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..masters import master
+from ..member import Member
+from ..plan import Plan
+from ..system import Moment, System
+from ..walk import Walk
+from .linear import NUDGE, realise, rest
+
+Values = NDArray[np.float64]
+COUNT = 24
+"""Steps of a unit's response: a unit alone has few states."""
+NOISE = 1e-7
+UNKNOWN = 1e-2
+"""Size taken for a value that has been nothing but zero."""
+REFRESHED = 3
+"""Steps of the size in question taken at rest, for units that remember the last one."""
+MAPPED = ("gauss-seidel", "jacobi")
+SLACK = 1e-6
+"""How far above one a spectral radius may lie by rounding: undamped motion is at one."""
+
+
+@dataclass(frozen=True)
+class UnitModel:
+    """One unit: x+ = A x + B u, y = C x + D u, and its wiring u = W y of all units' outputs.
+
+    Right after a step, before the clocks of its inputs have moved on, it is y = C x + E u.
+    """
+
+    name: str
+    a: Values
+    b: Values
+    c: Values
+    d: Values
+    e: Values
+    wires: Values
+    rows: NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class StepMap:
+    """Units of a scene as linear systems at one communication step [s]."""
+
+    plan: Plan
+    step: float
+    models: list[UnitModel]
+    outputs: list[str]
+    followers: list[str]
+
+    def matrix(self, kind: str, cut: str | None = None) -> Values:
+        """The map of a master on (states of all units, outputs of all units).
+
+        With `cut`, a `source -> target` pair of units, that connection is left out.
+        """
+        if kind not in MAPPED:
+            raise InputError(f"--master {kind}: its step has no map; there is {', '.join(MAPPED)}")
+        sizes = [len(model.a) for model in self.models]
+        starts = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+        count = int(starts[-1]) + len(self.outputs)
+        whole = np.eye(count)
+        states = [whole[starts[i] : starts[i + 1]] for i in range(len(self.models))]
+        values = whole[starts[-1] :].copy()
+        wires = [self._wires(model, cut) for model in self.models]
+        before = values.copy()
+        for i, model in enumerate(self.models):
+            u = wires[i] @ (before if kind == "jacobi" else values)
+            states[i] = model.a @ states[i] + model.b @ u
+            values[model.rows] = model.c @ states[i] + model.e @ u
+        for i, model in enumerate(self.models):
+            if model.name in self.followers:
+                values[model.rows] = model.c @ states[i] + model.d @ (wires[i] @ values)
+        return np.vstack([*states, values])
+
+    def _wires(self, model: UnitModel, cut: str | None) -> Values:
+        if cut is None or not cut.endswith(f" -> {model.name}"):
+            return model.wires
+        source = cut.removesuffix(f" -> {model.name}")
+        kept = np.array([not name.startswith(f"{source}.") for name in self.outputs])
+        left: Values = model.wires * kept[None, :]
+        return left
+
+    def radius(self, kind: str, cut: str | None = None) -> float:
+        """Largest magnitude of the map's eigenvalues: above one the coupling is unstable."""
+        return float(np.abs(np.linalg.eigvals(self.matrix(kind, cut))).max(initial=0.0))
+
+    def culprit(self, kind: str) -> str:
+        """The connection without which the map is most stable."""
+        plan = self.plan
+        pairs = list(dict.fromkeys(f"{c.source} -> {c.target}" for c in plan.connections))
+        return min(pairs, key=lambda pair: self.radius(kind, pair))
+
+
+def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> StepMap:
+    """Linear units of a scene about its rest, at its own communication step or another.
+
+    Raises `InputError` where a unit cannot roll back or the scene does not come to rest by its
+    own master and step.
+    """
+    unable = [name for name, known in plan.interfaces.items() if not known.rollback]
+    if unable:
+        raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
+    size = step or plan.grid.step
+    with System(plan) as system:
+        method = master(plan.scenario.master.kind)(system, plan.scenario.master)
+        walk = Walk(system, method)
+        time, largest = rest(system, walk)
+        for _ in range(REFRESHED):
+            walk.to(time, time + size, size)
+            time += size
+        moment = system.save()
+        shown = [k for k in system.wired.tolist() if system.variables[k].unit != "s"]
+        models = [
+            _unit(system, moment, index, time, size, shown, largest, count)
+            for index in range(len(system.members))
+        ]
+        system.forget(moment)
+        names = [system.names[k] for k in shown]
+        followers = [member.unit.name for member in system.followers]
+    return StepMap(plan, size, models, names, followers)
+
+
+def _unit(
+    system: System, moment: Moment, index: int, time: float, size: float,
+    shown: list[int], largest: Values, count: int,
+) -> UnitModel:  # fmt: skip
+    """Identify one unit alone: its other inputs stay as they are at rest.
+
+    Members of laws that were zero all the way to rest carry nothing and are left alone.
+    """
+    member = system.members[index]
+    system.restore(moment)
+    member.gather()
+    still = member.buffer.copy()
+    own = [k for k in shown if member.stretch.start <= k < member.stretch.stop]
+    wired = range(len(member.inputs))
+    clocks = [k for k in wired if system.variables[member.sources[k]].unit == "s"]
+    ahead = np.array([member.sources[k] < member.stretch.start for k in clocks], dtype=float)
+    free = [k for k in wired if k not in clocks]
+    usual = np.maximum(np.abs(still[free]), largest[member.sources[free]])
+    values = np.array([system.variables[member.sources[k]].order == 0 for k in free], dtype=bool)
+    usual = np.where((usual == 0.0) & values, UNKNOWN, usual)
+    sequence = np.zeros((count, len(own), len(free)))
+    direct = np.zeros((len(own), len(free)))
+    after = np.zeros((len(own), len(free)))
+    for column, k in enumerate(free):
+        if usual[column] == 0.0:
+            continue
+        nudge = NUDGE * usual[column]
+        for sign in (1.0, -1.0):
+            system.restore(moment)
+            for n in range(count):
+                member.buffer[:] = still
+                member.buffer[k] += sign * nudge if n == 0 else 0.0
+                if n == 0:
+                    member.unit.send()
+                    member.unit.receive()
+                    direct[:, column] += sign * system.values[own]
+                member.buffer[clocks] += (n + ahead) * size
+                member.unit.send()
+                member.unit.step(time + n * size, size)
+                if n == 0:
+                    member.unit.receive()
+                    after[:, column] += sign * system.values[own]
+                member.buffer[:] = still
+                member.buffer[clocks] += (n + 1) * size
+                member.unit.send()
+                member.unit.receive()
+                sequence[n, :, column] += sign * system.values[own]
+    sequence /= 2.0 * NUDGE
+    direct /= 2.0 * NUDGE
+    after = after / (2.0 * NUDGE) - sequence[0]
+    by = np.where(usual > 0.0, usual, 1.0)
+    a, b, c = realise(sequence, smallest=NOISE) if own and free else _none(len(own), len(free))
+    return UnitModel(
+        *(
+            member.unit.name,
+            a,
+            b / by,
+            c,
+            direct / by,
+            after / by,
+            _wiring(system, member, free, shown),
+        ),
+        np.array([shown.index(k) for k in own], dtype=np.intp),
+    )
+
+
+def _none(rows: int, columns: int) -> tuple[Values, Values, Values]:
+    return np.zeros((0, 0)), np.zeros((0, columns)), np.zeros((rows, 0))
+
+
+def _wiring(system: System, member: Member, free: list[int], shown: list[int]) -> Values:
+    """Which outputs, times which gain, each free input of a unit takes."""
+    wires = np.zeros((len(free), len(shown)))
+    gains = {
+        (f"{c.source}.{c.output.name}"): c.gain
+        for c in system.plan.connections
+        if c.target == member.unit.name
+    }
+    for row, k in enumerate(free):
+        source = int(member.sources[k])
+        wires[row, shown.index(source)] = gains[system.names[source]]
+    return wires
+
+
+def limit(plan: Plan, kind: str, low: float, high: float, *, within: float = 1e-3) -> float:
+    """Communication step [s] at which a master's map of a scene turns unstable, by bisection.
+
+    `low` has to be stable and `high` unstable; `InputError` says which is not.
+    """
+    quiet = replace(plan)
+    ends = [step_map(quiet, step).radius(kind) for step in (low, high)]
+    if ends[0] > 1.0 + SLACK or ends[1] <= 1.0 + SLACK:
+        raise InputError(
+            f"no limit of {kind} between {low:g} and {high:g} s: spectral radius {ends[0]:.4f}"
+            f" and {ends[1]:.4f}"
+        )
+    while high - low > within * low:
+        middle = 0.5 * (low + high)
+        if step_map(quiet, middle).radius(kind) > 1.0 + SLACK:
+            high = middle
+        else:
+            low = middle
+    return 0.5 * (low + high)

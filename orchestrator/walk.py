@@ -1,0 +1,67 @@
+"""From one communication point to the next, cut where something happens in between."""
+
+from __future__ import annotations
+
+from .masters import Master
+from .system import System
+
+MERGED = 1e-6
+"""What happens closer than this fraction of a step to a communication point is not cut out."""
+
+
+class Walk:
+    """Steps a system with a master, never across a discontinuity or a timed action.
+
+    Units announce discontinuities through `next_event_time`. Where some unit takes steps of
+    one size only nothing is cut: discontinuities are stepped over, and actions take effect
+    at the next communication point. `steps` counts calls of the master.
+    """
+
+    def __init__(self, system: System, method: Master) -> None:
+        self.system = system
+        self.method = method
+        self.steps = 0
+        self.whole = bool(system.plan.fixed_step)
+        self._margin = MERGED * system.plan.grid.step
+        self._actions = list(system.plan.actions)
+        self._quiet = not (system.announces or self._actions)
+        self.act(system.plan.grid.start)
+
+    def act(self, time: float) -> None:
+        """Carry out what is due at a communication point."""
+        while self._actions and self._actions[0].time <= time + self._margin:
+            self.system.act(self._actions.pop(0))
+            self.method.interrupt()
+
+    def cut(self, time: float, end: float) -> float:
+        """Where a step from `time` has to end at the latest, `end` if nothing is between."""
+        if self.whole:
+            return end
+        stop = self.system.next_event()
+        if self._actions:
+            stop = min(stop, self._actions[0].time)
+        return stop if time + self._margin < stop < end - self._margin else end
+
+    def to(self, time: float, end: float, size: float) -> None:
+        """Go from `time` to `end`, at best in one step of `size`."""
+        if self._quiet:
+            self.method.advance(time, size)
+            self.steps += 1
+            return
+        while True:
+            stop = self.cut(time, end)
+            if stop == end:
+                break
+            self.step(time, stop, stop - time)
+            time, size = stop, end - stop
+        self.step(time, end, size)
+
+    def step(self, time: float, end: float, size: float) -> None:
+        """One step of the master, with nothing in between; then what is due at its end."""
+        event = self.system.next_event()
+        self.method.advance(time, size)
+        self.steps += 1
+        if event <= end + self._margin:
+            self.method.interrupt()
+        if self._actions:
+            self.act(end)

@@ -1,0 +1,70 @@
+"""Runs to a tolerance: the estimated error against the monolith's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.reference import as_recorded, monolithic
+from orchestrator.simulation import load, replay, run
+
+SCENES = {
+    "oscillator-1": "payload.displacement",
+    "flapping-full-wings": "linkage.displacement",
+}
+FAST = [1e-2, 1e-3, 1e-4]
+FINE = [1e-5, 1e-6]
+
+
+def ratio(library: Path, scene: str, tolerance: float) -> tuple[float, float]:
+    """Estimated by true error of the motion, and the true one by the largest displacement."""
+    plan = load(scene, None, library, time={"stop": "8 cycles", "tolerance": tolerance})
+    done = run(plan)
+    assert done.failure is None
+    assert done.estimates is not None
+    single = monolithic(plan, library)
+    time = single.scenario.time.model_copy(update={"tolerance": None})
+    single = replace(single, scenario=single.scenario.model_copy(update={"time": time}))
+    reference = as_recorded(replay(single, done.times.tolist()), plan).series(SCENES[scene])
+    true = float(np.abs(done.series(SCENES[scene]) - reference).max())
+    return done.estimates[SCENES[scene]].error / true, true / float(np.abs(reference).max())
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("tolerance", FAST)
+def test_estimate_within_a_factor_of_three(library: Path, scene: str, tolerance: float) -> None:
+    found, true = ratio(library, scene, tolerance)
+    assert 1.0 / 3.0 < found < 3.0
+    assert true < 2.0 * tolerance
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("tolerance", FINE)
+def test_fine_tolerances_too(library: Path, scene: str, tolerance: float) -> None:
+    found, true = ratio(library, scene, tolerance)
+    assert 1.0 / 3.0 < found < 3.0
+    assert true < 2.0 * tolerance
+
+
+def test_steps_end_at_discontinuities(library: Path) -> None:
+    """Every edge of a square wave is a communication point of an adaptive run."""
+    plan = load("oscillator-1", None, library, time={"stop": "4 cycles", "tolerance": 1e-3})
+    assert plan.frequency is not None
+    waveform = {"amplifier.waveform": "square"}
+    plan = load("oscillator-1", waveform, library, time={"stop": "4 cycles", "tolerance": 1e-3})
+    done = run(plan)
+    edges = np.arange(1, 8) * 0.5 / plan.frequency
+    points = np.asarray(done.points)
+    assert np.abs(points[:, None] - edges[None, :]).min(axis=0).max() < 1e-9
+
+
+def test_a_fixed_step_run_can_be_estimated_too(library: Path) -> None:
+    plan = load("oscillator-1", None, library, time={"stop": "5 cycles"})
+    done = run(plan, estimate=True)
+    assert done.estimates is not None
+    assert 0.0 < done.estimates["payload.displacement"].relative < 1e-2
+    assert run(plan).estimates is None

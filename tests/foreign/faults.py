@@ -1,0 +1,111 @@
+"""What becomes of a process that hosts FAULTY: `python -m tests.foreign.faults JOBS`.
+
+JOBS is a JSON list of pairs of an FMU and the fault to set, or null to leave it as built. Each
+runs in a process of its own. Prints a JSON list: how each ended, what it was told and what it
+left on stdout.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tests.foreign.host import FMICallException, hosted
+
+HANGS = {2, 14, 16}
+PATIENCE, LONG_PATIENCE = 0.5, 60.0
+SPARE_MEMORY = 128 << 20
+STEP, STEPS = 0.25, 4
+
+
+@dataclass(frozen=True)
+class Job:
+    """A running process and the folder it reports to."""
+
+    process: int
+    folder: Path
+    deadline: float
+
+
+def live(fmu: Path, fault: int | None) -> dict[str, Any]:
+    """Four steps with a fault, of which the second reaches fault_time."""
+    logged: list[tuple[int, bytes]] = []
+    told: dict[str, Any] = {"steps": []}
+    try:
+        with hosted(fmu, lambda status, message: logged.append((status, message))) as host:
+            host.start(u=1.0, gain=3.0, **({} if fault is None else {"fault": fault}))
+            while host.time < STEP * STEPS:
+                report = host.step(STEP)
+                told["steps"].append([host.time, str(host.get("y")), report])
+    except FMICallException as caught:
+        told["status"] = caught.status
+    told["logged"] = sum(len(message) for _, message in logged)
+    told["last"] = logged[-1][1].decode() if logged else ""
+    return told
+
+
+def begun(fmu: Path, fault: int | None, folder: Path) -> Job:
+    """Run `live` in a process with little memory, no core file and stdout in a file."""
+    folder.mkdir()
+    process = os.fork()
+    if process:
+        # only the hang that no parameter can ask for has to be built in
+        patience = PATIENCE if fault is None or fault in HANGS else LONG_PATIENCE
+        return Job(process, folder, time.monotonic() + patience)
+    code = 70
+    try:
+        with (folder / "stdout").open("wb") as stdout, (folder / "stderr").open("wb") as stderr:
+            os.dup2(stdout.fileno(), 1)
+            os.dup2(stderr.fileno(), 2)
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (used + SPARE_MEMORY, used + SPARE_MEMORY))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        (folder / "told.json").write_text(json.dumps(live(fmu, fault)))
+        code = 0
+    finally:
+        os._exit(code)
+
+
+def ended(job: Job) -> dict[str, Any]:
+    """What became of a job; it is killed where it takes too long."""
+    end = _end(job)
+    path = job.folder / "told.json"
+    told: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
+    return {**told, "end": end, "stdout": (job.folder / "stdout").stat().st_size}
+
+
+def _end(job: Job) -> str:
+    """How a process ended: `exit 0`, `SIGSEGV` or `hang`."""
+    while True:
+        done, status = os.waitpid(job.process, os.WNOHANG)
+        if done:
+            break
+        if time.monotonic() > job.deadline:
+            os.kill(job.process, signal.SIGKILL)
+            os.waitpid(job.process, 0)
+            return "hang"
+        time.sleep(0.005)
+    code = os.waitstatus_to_exitcode(status)
+    return f"exit {code}" if code >= 0 else signal.Signals(-code).name
+
+
+def main(jobs: list[tuple[str, int | None]]) -> None:
+    """Run all jobs side by side."""
+    with tempfile.TemporaryDirectory() as folder:
+        running = [
+            begun(Path(fmu), fault, Path(folder, str(number)))
+            for number, (fmu, fault) in enumerate(jobs)
+        ]
+        json.dump([ended(job) for job in running], sys.stdout)
+
+
+if __name__ == "__main__":
+    main(json.loads(sys.argv[1]))

@@ -1,0 +1,152 @@
+"""Linearised scenes: poles against closed forms, step maps against runs."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator.cli import app
+from orchestrator.errors import InputError
+from orchestrator.plan import Plan
+from orchestrator.simulation import load, run
+from orchestrator.studies.linear import linearise, realise
+from orchestrator.studies.stepmap import MAPPED, limit, step_map
+from tests.evals.two_masses import scenes
+
+runner = CliRunner()
+COMMAND = "amplifier.command.top"
+SHOWN = ["payload.displacement", "amplifier.top.voltage"]
+
+
+def still(library: Path, scene: str = "oscillator-1", changes: dict[str, str] | None = None,
+          **options: Any) -> Plan:  # fmt: skip
+    """An oscillator at rest under 1 kV on its top cone."""
+    quiet = {"amplifier.waveform": "external", **(changes or {})}
+    time = {"stop": 1.0, **options.pop("time", {})}
+    return load(scene, quiet, library, hold={COMMAND: "1 kV"}, time=time, **options)
+
+
+@pytest.mark.parametrize("number", range(1, 6))
+def test_poles_of_the_oscillators(library: Path, number: int) -> None:
+    """sqrt(K/M); damping of the loss factor and of the electrode, (2 a V)^2 R, at a bias V."""
+    plan = still(library, f"oscillator-{number}")
+    poles = linearise(plan, [COMMAND], SHOWN).eigenvalues()
+    pole = next(p for p in poles if p.imag > 0.0)
+    values: dict[str, Any] = {}
+    for part in ("amplifier", "spring", "payload"):
+        for name, variable in plan.interfaces[part].variables.items():
+            values[f"{part}.{name}"] = plan.starts[part].get(name, variable.start)
+    k, mass = values["spring.stiffness"], values["payload.mass"]
+    loss = values["spring.loss_factor"] * k / (2 * math.pi * values["spring.loss_frequency"])
+    slope = values["spring.blocked_force"] / values["spring.rated_voltage"] ** 2
+    electrode = (2.0 * slope * 1000.0) ** 2 * values["amplifier.resistance"]
+    damping = values["spring.damping"] + loss + electrode
+    assert abs(pole) == pytest.approx(math.sqrt(k / mass), rel=5e-3)
+    assert -pole.real / abs(pole) == pytest.approx(damping / (2 * math.sqrt(k * mass)), rel=5e-3)
+
+
+def test_the_electrode_has_its_own_pole(library: Path) -> None:
+    plan = still(library)
+    poles = linearise(plan, [COMMAND], SHOWN).eigenvalues()
+    known = plan.interfaces["spring"].variables
+    capacitance = plan.starts["spring"].get("capacitance", known["capacitance"].start)
+    assert isinstance(capacitance, float)
+    rate = 1.0 / (1e5 * capacitance)
+    assert min(abs(p.real + rate) for p in poles if p.imag == 0.0) < 0.05 * rate
+
+
+def test_static_gain_and_names(library: Path) -> None:
+    """dx/dV = 2 a V / K at rest; the same in python-control, under the same names."""
+    found = linearise(still(library), [COMMAND], SHOWN)
+    gain = 2.0 * 0.127 / 1920.0**2 * 1000.0 / 63.5
+    assert found.response(np.array([1e-3]))[0, 0, 0].real == pytest.approx(gain, rel=1e-3)
+    same = found.state_space()
+    assert same.input_labels == ["amplifier_command_top"]
+    assert sorted(same.output_labels) == ["amplifier_top_voltage", "payload_displacement"]
+    assert same.dt == found.step
+    row = same.output_labels.index("payload_displacement")
+    assert np.real(same.dcgain()[row]) == pytest.approx(gain, rel=1e-3)
+
+
+def test_realisation_of_a_known_system() -> None:
+    a = np.array([[0.9, 0.2], [-0.2, 0.8]])
+    b, c = np.array([[1.0], [0.5]]), np.array([[1.0, 0.0], [3e4, 1e4]])
+    sequence = np.array([c @ np.linalg.matrix_power(a, k) @ b for k in range(40)])
+    found, _, _ = realise(sequence)
+    assert sorted(np.linalg.eigvals(found), key=np.imag) == pytest.approx(
+        sorted(np.linalg.eigvals(a), key=np.imag), abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("laws", ["held", "curvature"])
+@pytest.mark.parametrize("step", [6e-4, 1.2e-3])
+def test_the_map_grows_as_the_run_does(library: Path, laws: str, step: float) -> None:
+    """Spectral radius against the envelope of a run that starts off its rest."""
+    time = {"stop": 600 * step, "step": step}
+    pushed = {"payload.start_velocity": "0.01"}
+    done = run(still(library, changes=pushed, time=time, master={"laws": laws}))
+    speed = np.abs(done.series("payload.velocity"))
+    n = len(speed)
+    early, late = speed[n // 8 : n // 4].max(), speed[n // 4 : 3 * n // 8].max()
+    growth = (late / early) ** (8.0 / n)
+    plan = still(library, time={"step": 1e-4}, master={"laws": laws})
+    assert step_map(plan, step).radius("gauss-seidel") == pytest.approx(growth, abs=3e-3)
+
+
+@pytest.mark.parametrize("kind", MAPPED)
+def test_the_limit_of_two_masses(library: Path, tmp_path: Path, kind: str) -> None:
+    """A damped pair: largest stable step by the map within 10 % of that by running."""
+    path = scenes(tmp_path) / "numbers.toml"
+    changes = {f"{m}.damping": "0.2" for m in ("first", "second")}
+    changes |= {f"{m}.start_displacement": "0" for m in ("first", "second")}
+    options = {"hold": {}, "time": {"step": 0.01, "stop": 100.0}, "master": {"kind": kind}}
+    predicted = limit(load(path, changes, library, **options), kind, 0.02, 1.5, within=0.01)
+
+    def grows(step: float) -> bool:
+        pushed = {**changes, "first.start_displacement": "1"}
+        time = {"step": step, "stop": 600 * step}
+        done = run(load(path, pushed, library, time=time, master={"kind": kind}))
+        x = np.abs(done.series("first.displacement"))
+        return done.failure is not None or x[-len(x) // 4 :].max() > x[: len(x) // 4].max()
+
+    assert not grows(0.9 * predicted)
+    assert grows(1.1 * predicted)
+
+
+def test_an_unstable_wire_is_named(library: Path, tmp_path: Path) -> None:
+    path = scenes(tmp_path) / "numbers.toml"
+    changes = {f"{m}.damping": "0.2" for m in ("first", "second")}
+    changes |= {"first.start_displacement": "0", "pair.stiffness": "1000"}
+    mapped = step_map(load(path, changes, library, time={"step": 1e-4}), 0.05)
+    assert mapped.radius("jacobi") > 1.01
+    assert "pair" in mapped.culprit("jacobi")
+
+
+def test_what_cannot_be_linearised_is_told(library: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="does not come to rest"):
+        linearise(load("oscillator-1", {"amplifier.amplitude": "1 V"}, library))
+    with pytest.raises(InputError, match="is not held; there is"):
+        linearise(still(library), ["spring.top.voltage"])
+    path = scenes(tmp_path, rollback=False) / "numbers.toml"
+    with pytest.raises(InputError, match="cannot roll back"):
+        linearise(load(path, None, library))
+    with pytest.raises(InputError, match="its step has no map"):
+        step_map(still(library)).radius("iterative")
+
+
+def test_the_commands(library: Path, tmp_path: Path) -> None:
+    options = ["--fmus", str(library), "--set", "amplifier.waveform=external"]
+    held = ["--hold", "amplifier.command.top=1 kV", "--bode", str(tmp_path / "b.svg")]
+    named = ["--input", COMMAND, "--output", "payload.displacement"]
+    done = runner.invoke(app, ["linearise", "oscillator-1", *options, *held, *named])
+    assert done.exit_code == 0, done.output
+    assert "51.6" in done.output
+    assert "stable" in done.output
+    assert (tmp_path / "b.svg").is_file()
+    shown = runner.invoke(app, ["inspect", "oscillator-1", *options, "--stability"])
+    assert "is stable: spectral radius" in shown.output
