@@ -62,8 +62,8 @@ class Doubling:
         system.restore(self._moment)
         method.recall(self._memory)
         method.advance(time, half)
-        self._walk.step(time + half, time + size, time + size - (time + half))
-        self._walk.steps += 2
+        method.advance(time + half, time + size - (time + half))
+        self._walk.steps += 3
         self.points = [time + half, time + size]
         return np.abs(whole - system.values[self._columns])
 
@@ -93,7 +93,8 @@ class Foresight:
         values = self._walk.system.values
         past, end = self._past, time + size
         past.note(time, values[self._columns])
-        self._walk.step(time, end, size)
+        self._walk.method.advance(time, size)
+        self._walk.steps += 1
         self.points = [end]
         seen = combined(point_weights(past.times, end, size), past.values)
         return MILNE * np.abs(seen - values[self._columns])
@@ -154,7 +155,7 @@ def adaptive(
         time = end
         points += estimator.points
         points[-1] = end
-        walk.act(end)
+        walk.arrive(end, event)
         if event <= end and isinstance(estimator, Foresight):
             estimator.interrupt()
             size = min(size, 0.1 * grid.step)

@@ -90,6 +90,13 @@ def dataset(outcome: Outcome) -> xarray.Dataset:
     return xarray.Dataset(data, coords={"time": time}, attrs=attributes(outcome))
 
 
+def whole(outcome: Outcome) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times and rows of an outcome, those that have left memory included."""
+    pieces = list(outcome.segments.pieces()) if outcome.segments else []
+    pieces.append((outcome.times, outcome.rows))
+    return np.concatenate([p[0] for p in pieces]), np.concatenate([p[1] for p in pieces])
+
+
 def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Column]:
     """What a result says of each recorded variable, under names that netCDF takes."""
     made: list[Column] = []

@@ -20,12 +20,15 @@ from .interrupt import Interrupt, Interrupted
 from .masters import Master, master
 from .observers import Guard, Observer, Progress, Recorder
 from .plan import LIBRARY, Plan, check
-from .results import Outcome
+from .results import Outcome, whole
 from .scenario import Master as Settings
 from .scenario import load_scenario
 from .segments import Segments
 from .system import System
 from .walk import Walk
+
+MOST_HELD = 1 << 25
+"""Numbers of a run that an estimate holds in memory at most: 256 MB, and as much again."""
 
 
 def load(
@@ -104,15 +107,16 @@ def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcom
     if outcome.plan.fixed_step:
         fixed = ", ".join(outcome.plan.fixed_step)
         return replace(outcome, doubt=f"{fixed} takes steps of one size only")
-    if outcome.segments:
+    if outcome.kept * len(outcome.names) > MOST_HELD:
         return replace(outcome, doubt="the run is too long to be held in memory; see record.last")
+    times, held = whole(outcome)
     again = _stepped(outcome.plan, halved(outcome.points), interrupt=interrupt)
     if isinstance(again.failure, Interrupted):
         return replace(outcome, failure=again.failure)
     if again.failure is not None:
         return replace(outcome, doubt=f"at half the step: {again.failure}")
-    _, mine, other = np.intersect1d(outcome.times, again.times, return_indices=True)
-    rows, finer = outcome.rows[mine], again.rows[other]
+    _, mine, other = np.intersect1d(times, again.times, return_indices=True)
+    rows, finer = held[mine], again.rows[other]
     estimates = {name: estimate_of(rows[:, k], finer[:, k]) for k, name in enumerate(outcome.names)}
     return replace(outcome, estimates=estimates)
 

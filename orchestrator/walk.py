@@ -61,6 +61,10 @@ class Walk:
         event = self.system.next_event()
         self.method.advance(time, size)
         self.steps += 1
+        self.arrive(end, event)
+
+    def arrive(self, end: float, event: float) -> None:
+        """What is due at a point that is reached for good; `event` is the last announced."""
         if event <= end + self._margin:
             self.method.interrupt()
         if self._actions:

@@ -43,17 +43,11 @@ class Remote(Unit):
         self._current = False
         self._lost = False
         self._why = f"{name}: its process has been given up"
-        here = str(Path(__file__).resolve().parents[2])
-        path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH", "")]))
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "orchestrator.unit.host", str(os.getpid())],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": path},
-            start_new_session=True,
-        )
+        try:
+            self._process = _started(folder)
+        except OSError as error:
+            reason = f"its process cannot be started ({error.strerror})"
+            raise UnitFailure(f"{name}: {reason}") from None
         assert self._process.stdin and self._process.stdout and self._process.stderr
         self._to, self._from = self._process.stdin.fileno(), self._process.stdout.fileno()
         self._words = _Tail(self._process.stderr)
@@ -106,7 +100,8 @@ class Remote(Unit):
         if self._watch.fired:
             fate = f"no answer within {self._watch.patience:g} s; its process was stopped"
         elif code < 0:
-            fate = f"its process died of {signal.Signals(-code).name}"
+            names = {entry.value: entry.name for entry in signal.Signals}
+            fate = f"its process died of {names.get(-code, f'signal {-code}')}"
         else:
             fate = f"its process ended itself with exit code {code}"
         if not self._watch.fired and _largest_child() > 0.9 * self._limits.memory:
@@ -208,6 +203,21 @@ class Remote(Unit):
             for stream in (process.stdin, process.stdout):
                 with suppress(OSError):
                     stream.close()  # type: ignore[union-attr]
+
+
+def _started(folder: Path) -> subprocess.Popen[bytes]:
+    """A process for one unit, which finds this package where this process has it."""
+    here = str(Path(__file__).resolve().parents[2])
+    path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH", "")]))
+    return subprocess.Popen(
+        [sys.executable, "-P", "-m", "orchestrator.unit.host", str(os.getpid())],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": path},
+        start_new_session=True,
+    )
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:

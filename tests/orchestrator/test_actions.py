@@ -9,6 +9,7 @@ import pytest
 
 from orchestrator.masters import MASTERS
 from orchestrator.simulation import load, run
+from tests.foreign.build import foreign
 
 MASS = """
 [time]
@@ -38,6 +39,26 @@ def test_a_held_force_acts_between_its_times(library: Path, tmp_path: Path, kind
     velocity = np.interp(done.times, [0.0, 0.25, 0.75, 1.0], [0.0, 0.0, 1.0, 1.0])
     assert done.series("mass.velocity") == pytest.approx(velocity, abs=1e-12)
     assert done.steps == 12
+
+
+@pytest.mark.parametrize("rollback", [True, False])
+def test_actions_survive_steps_that_are_taken_again(
+    library: Path, tmp_path: Path, rollback: bool
+) -> None:
+    """An adaptive run ends steps at actions, and a rejected step has not carried them out."""
+    foreign("MASS", tmp_path, rollback=rollback)
+    scene = tmp_path / "mass.toml"
+    text = MASS.replace('"payload"', '"./mass.fmu"').replace("mass.force.value", "mass.force")
+    text += '[components.spring]\nfmu = "spring"\nstart = { blocked_force = 0.0 }\n'
+    text += '[[wires]]\nfrom = "mass.displacement"\nto = "spring.motion.displacement"\n'
+    text += '[record]\nvariables = ["mass.velocity"]\n'
+    scene.write_text(
+        text.replace("[hold]", '[hold]\n"spring.top.voltage" = 0\n"spring.bottom.voltage" = 0')
+    )
+    done = run(load(scene, None, library, time={"tolerance": 1e-4}))
+    assert done.failure is None
+    assert {0.25, 0.75} <= set(np.round(done.points, 12).tolist())
+    assert done.series("mass.velocity")[-1] == pytest.approx(1.0, abs=1e-9)
 
 
 def test_a_tunable_parameter_changes_the_drive(library: Path, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import json
 import os
@@ -1014,6 +1015,18 @@ def test_patience_is_for_calls_not_for_coming_up(shelf: Shelf, tmp_path: Path) -
     unit = open_unit("m", read_interface(path), tmp_path / "unpacked", True, limits)
     unit.close()
     assert unit.messages == []
+
+
+def test_process_that_cannot_be_started_is_told(
+    shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*arguments: object, **options: object) -> None:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    path = scene(tmp_path, part("m", shelf("MASS", 2)), hold({"m.force": 0.0}))
+    monkeypatch.setattr(subprocess, "Popen", full)
+    with pytest.raises(InitialisationError, match=r"m: its process cannot be started \(Too many"):
+        run(load(path))
 
 
 def test_folder_of_an_fmu_is_no_place_for_modules(shelf: Shelf, tmp_path: Path) -> None:

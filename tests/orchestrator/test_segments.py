@@ -46,6 +46,14 @@ def test_segments_become_one_file(library: Path, tmp_path: Path, small: None) ->
         assert data.attrs["complete"] == 1
 
 
+def test_an_estimate_reaches_into_segments(library: Path, tmp_path: Path, small: None) -> None:
+    plan = load("oscillator-1", None, library, time=SPAN)
+    plain = run(plan, estimate=True)
+    done = run(plan, segments=segments_for(plan, tmp_path / "long.nc"), estimate=True)
+    assert done.segments
+    assert done.estimates == plain.estimates
+
+
 def test_a_damaged_segment_is_told(library: Path, tmp_path: Path, small: None) -> None:
     plan = load("oscillator-1", None, library, time=SPAN)
     target = tmp_path / "long.nc"
