@@ -144,7 +144,7 @@ def adaptive(
             np.maximum(scale, np.abs(system.values[columns]), out=scale)
             miss = float((error / (scale + 1e-300)).max(initial=0.0))
         except SimulationError:
-            if not able or end - time <= control.least * (1.0 + 1e-6):
+            if not able or end - time <= control.least + 4.0 * math.ulp(end):
                 raise
             miss = math.inf
         accepted, size = control.judge(miss, end - time, rejects=able)

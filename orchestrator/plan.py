@@ -187,11 +187,16 @@ def _records(
     ]
     names = [f"{name}.{v.name}" for name, v in outputs]
     for index, pattern in enumerate(patterns):
-        if not any(fnmatchcase(name, pattern) for name in names):
+        if not any(_matches(name, pattern) for name in names):
             hint = nearest(pattern, names)
             problems.append(f"record.variables[{index}]: no output {printable(pattern)!r}; {hint}")
     return [
         entry
         for entry, name in zip(outputs, names, strict=True)
-        if any(fnmatchcase(name, pattern) for pattern in patterns)
+        if any(_matches(name, pattern) for pattern in patterns)
     ]
+
+
+def _matches(name: str, pattern: str) -> bool:
+    """Whether a pattern names a variable; brackets of an array's element stand for themselves."""
+    return name == pattern or fnmatchcase(name, pattern)

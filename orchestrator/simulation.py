@@ -13,7 +13,7 @@ import numpy as np
 
 from .adaptive import adaptive
 from .audit import Audit
-from .errors import OutputError, SceneError, SimulationError
+from .errors import OutputError, ResilinError, SceneError, SimulationError
 from .estimate import estimate as estimate_of
 from .estimate import halved
 from .interrupt import Interrupt, Interrupted
@@ -110,7 +110,10 @@ def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcom
     if outcome.kept * len(outcome.names) > MOST_HELD:
         return replace(outcome, doubt="the run is too long to be held in memory; see record.last")
     times, held = whole(outcome)
-    again = _stepped(outcome.plan, halved(outcome.points), interrupt=interrupt)
+    try:
+        again = _stepped(outcome.plan, halved(outcome.points), interrupt=interrupt)
+    except ResilinError as error:
+        return replace(outcome, doubt=f"a second time: {error}")
     if isinstance(again.failure, Interrupted):
         return replace(outcome, failure=again.failure)
     if again.failure is not None:

@@ -81,6 +81,8 @@ def actions_of(
     for index, action in enumerate(scenario.actions):
         where = f"actions[{index}]"
         time = seconds(f"{where}.at", action.at, frequency, problems)
+        if not action.set:
+            problems.append(f"{where}.set: is empty; name what is to change")
         touched: dict[str, dict[str, float | str]] = {}
         for name, value in action.set.items():
             component, _, rest = name.partition(".")

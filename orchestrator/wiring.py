@@ -177,11 +177,13 @@ def check_all_fed(
     """Every input is wired or held; silence would be an assumption.
 
     A port whose first member is fed counts as fed: its other members keep their start
-    values, which is a plain number in the place of a law.
+    values, which is a plain number in the place of a law. Texts keep theirs too.
     """
     for component, interface in interfaces.items():
         lacking: dict[str, Variable] = {}
         for variable in interface.of("input"):
+            if not variable.numeric:
+                continue
             first = interface.port(variable.port, "input")[0] if variable.port else variable
             if not fed.keys() & {f"{component}.{variable.name}", f"{component}.{first.name}"}:
                 lacking.setdefault(first.name, first)

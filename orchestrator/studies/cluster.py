@@ -75,7 +75,10 @@ def local(count: int) -> Iterator[Client]:
                     preload=PRELOADED,
                 )
         except (OSError, RuntimeError) as error:
-            raise SimulationError(f"no worker processes can be started: {error}") from None
+            raise SimulationError(
+                f"no worker processes can be started: {error} A script that sweeps is a file, and"
+                " does so below `if __name__ == '__main__':`"
+            ) from None
         stack.callback(cluster.close)
         client = stack.enter_context(distributed.Client(cluster, set_as_default=False))
         stack.callback(_end_all, client)

@@ -44,12 +44,6 @@ class Point:
     release: str
     place: tuple[float | str, ...]
 
-    @property
-    def told(self) -> str:
-        """The point in words, as `amplifier.frequency = 18 Hz`."""
-        pairs = zip(self.names, self.values, strict=True)
-        return ", ".join(f"{name} = {value}" for name, value in pairs)
-
 
 @dataclass(frozen=True)
 class Record:
@@ -172,7 +166,7 @@ def calculate(point: Point) -> dict[str, Any]:
         plan = _plan(point.setting, dict(zip(point.names, point.values, strict=True)))
         if unfit := _difference(point, plan):
             return {"unfit": unfit}
-        outcome = run(plan)
+        outcome = run(plan, estimate=False)
         if outcome.failure is not None:
             return _failed(str(outcome.failure), begun, outcome.steps)
         found = metrics(dataset(outcome), plan.scenario.metrics.cycles)

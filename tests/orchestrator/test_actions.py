@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.errors import SceneError
 from orchestrator.masters import MASTERS
 from orchestrator.simulation import load, run
 from tests.foreign.build import foreign
@@ -82,4 +83,11 @@ def test_a_parameter_out_of_bounds_stops_the_run(library: Path, tmp_path: Path) 
         '[[actions]]\nat = "2 cycles"\nset = { "amplifier.amplitude" = "-5 V" }\n'
     )
     with pytest.raises(Exception, match=r"actions\[0\].set.amplifier.amplitude: '-5 V' is outside"):
+        load(scene, None, library)
+
+
+def test_an_action_that_changes_nothing_is_refused(library: Path, tmp_path: Path) -> None:
+    scene = tmp_path / "empty.toml"
+    scene.write_text('extends = "oscillator-1"\n[[actions]]\nat = 0.1\nset = {}\n')
+    with pytest.raises(SceneError, match=r"actions\[0\].set: is empty"):
         load(scene, None, library)
