@@ -13,6 +13,7 @@ from math import inf
 from pathlib import Path
 
 from .errors import FmuError, SceneError, nearest, printable
+from .faults import Fault, faults_of
 from .grid import Grid, frequency_of, grid_of, seconds
 from .interface import Interface, Variable, read_interface
 from .order import order_of
@@ -43,6 +44,7 @@ class Plan:
     grid: Grid
     frequency: float | None
     actions: list[Action] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
     limits: dict[str, Limits] = field(default_factory=dict)
     keep_from: float = -inf
 
@@ -71,13 +73,14 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     frequency = frequency_of(scenario, interfaces, starts, problems)
     grid = grid_of(scenario, frequency, problems)
     actions = actions_of(scenario, interfaces, held, frequency, problems)
+    faults = faults_of(scenario, interfaces, frequency, problems)
     limits = _limits(scenario, problems)
     keep_from = _keep_from(scenario, grid, frequency, problems)
     if problems or grid is None:
         raise SceneError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
     plan = Plan(
         *(scenario, path, interfaces, starts, connections, held, order, records),
-        *(grid, frequency, actions, limits, keep_from),
+        *(grid, frequency, actions, faults, limits, keep_from),
     )
     if problems := list(_uneven(plan)):
         raise SceneError(f"{path}: {problem}" for problem in problems)

@@ -26,7 +26,7 @@ Text = Annotated[str, Field(strict=True, max_length=2000)]
 Flag = Annotated[bool, Field(strict=True)]
 LARGEST_FILE = 1 << 20
 DEEPEST_EXTENDS = 10
-LISTS = ("wires", "variables", "actions")
+LISTS = ("wires", "variables", "actions", "faults")
 """Lists to which a scene adds what its base has."""
 
 
@@ -71,6 +71,21 @@ class Action(_Table):
 
     at: Quantity
     set: dict[str, Quantity | Flag]
+
+
+class Fault(_Table):
+    """Something injected into a unit, `on` one of its outputs or on all of it.
+
+    From `at` on, `until` it ends if ever; `size` is that of a bias, or the standard deviation
+    of noise, which `seed` determines.
+    """
+
+    at: Quantity
+    on: Text
+    kind: Literal["drop", "freeze", "nan", "bias", "noise"]
+    until: Quantity | None = None
+    size: Quantity | None = None
+    seed: Annotated[int, Field(strict=True, ge=0, lt=1 << 63)] = 0
 
 
 class Wire(_Table):
@@ -126,6 +141,7 @@ class Scenario(_Table):
     wires: list[Wire] = []
     hold: dict[str, Quantity | Flag] = {}
     actions: list[Action] = []
+    faults: list[Fault] = []
     record: Record = Record()
     metrics: Metrics = Metrics()
 
@@ -211,8 +227,15 @@ def load_scenario(
     :class:`SceneError` with every problem found.
     """
     path = scene_path(str(name))
+    return scenario_of(_read(path), path, changes, **options), path
+
+
+def scenario_of(
+    tree: dict[str, Any], path: Path, changes: dict[str, str] | None = None, **options: Any
+) -> Scenario:
+    """The same from a tree that stands in a file at `path`, from which others are found."""
     try:
-        tree = _merged(path, [])
+        tree = _based(tree, path, [path.resolve()])
         components = tree.get("components", {})
         for target, text in (changes or {}).items():
             component, _, parameter = target.partition(".")
@@ -223,7 +246,7 @@ def load_scenario(
         for key, value in options.items():
             if value:
                 tree[key] = {**tree.get(key, {}), **value}
-        return Scenario.model_validate(tree), path
+        return Scenario.model_validate(tree)
     except ValidationError as error:
         worded = _worded(error.errors(include_url=False))
         raise SceneError(f"{path}: {text}" for text in worded) from None
@@ -237,7 +260,11 @@ def _merged(path: Path, seen: list[Path]) -> dict[str, Any]:
     if resolved in seen or len(seen) > DEEPEST_EXTENDS:
         chain = " -> ".join(p.name for p in [*seen, resolved])
         raise SceneError(f"{path}: extends itself: {chain}")
-    tree = _read(path)
+    return _based(_read(path), path, [*seen, resolved])
+
+
+def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]:
+    """A tree on top of what it extends; `seen` are the files it came through."""
     if problems := list(_misshapen(tree)):
         raise SceneError(f"{path}: {problem}" for problem in problems)
     base_name = tree.pop("extends", None)
@@ -246,7 +273,7 @@ def _merged(path: Path, seen: list[Path]) -> dict[str, Any]:
         if dropped:
             raise SceneError(f"{path}: without: has a meaning only beside extends")
         return tree
-    base = _merged(scene_path(base_name, path.parent), [*seen, resolved])
+    base = _merged(scene_path(base_name, path.parent), seen)
     _drop(base, dropped, path)
     _release(base, tree.get("wires", []))
     return _overlaid(base, tree) | {"without": [*base.get("without", []), *dropped]}
@@ -295,6 +322,7 @@ SHAPES: dict[str, tuple[type, str]] = {
     "record": (dict, "a table"),
     "metrics": (dict, "a table"),
     "actions": (list, "a list of tables, written [[actions]]"),
+    "faults": (list, "a list of tables, written [[faults]]"),
 }
 
 
@@ -314,6 +342,9 @@ def _misshapen(tree: dict[str, Any]) -> Iterator[str]:
     for index, action in enumerate(tree.get("actions", [])):
         if not isinstance(action, dict) or not isinstance(action.get("set"), dict):
             yield f"actions.{index}: expected a table with at and a table set"
+    for index, fault in enumerate(tree.get("faults", [])):
+        if not isinstance(fault, dict) or not isinstance(fault.get("on"), str):
+            yield f"faults.{index}: expected a table with at, on and kind"
     variables = tree.get("record", {}).get("variables", [])
     if not isinstance(variables, list):
         yield "record.variables: expected a list of texts"
@@ -355,6 +386,7 @@ def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
             {**a, "set": {k: v for k, v in a["set"].items() if not k.startswith(prefix)}}
             for a in tree.get("actions", [])
         ]
+        tree["faults"] = [f for f in tree.get("faults", []) if f["on"].partition(".")[0] != name]
         record = tree.get("record", {})
         if "variables" in record:
             record["variables"] = [v for v in record["variables"] if not v.startswith(prefix)]

@@ -22,7 +22,7 @@ from .observers import Guard, Observer, Progress, Recorder
 from .plan import LIBRARY, Plan, check
 from .results import Outcome, whole
 from .scenario import Master as Settings
-from .scenario import load_scenario
+from .scenario import Scenario, load_scenario
 from .segments import Segments
 from .system import System
 from .walk import Walk
@@ -42,7 +42,11 @@ def load(
     `options` override single keys of a scene's tables, as `time={"tolerance": 1e-3}`.
     Raises `SceneError` with every problem.
     """
-    scenario, path = load_scenario(scene, changes, **options)
+    return planned(*load_scenario(scene, changes, **options), library)
+
+
+def planned(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
+    """Checked plan of a scenario that stands in a file at `path`, its master able to step it."""
     plan = check(scenario, path, library)
     if problems := _unsuited(plan):
         raise SceneError(f"{path}: {problem}" for problem in problems)

@@ -150,6 +150,10 @@ class System:
                 isolate = True if len(alike) > 1 else None
             unit = open_unit(name, interface, folders[interface.path], isolate, plan.limits[name])
             self._stack.callback(unit.close)
+            if faults := [fault for fault in plan.faults if fault.component == name]:
+                from .unit.impaired import Impaired
+
+                unit = Impaired(unit, faults)
             units[name] = unit
         self._connect(units)
         self._initialise()

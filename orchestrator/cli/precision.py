@@ -29,6 +29,14 @@ def precision(
         list[float] | None,
         typer.Option(help="Steps as multiples of the scene's; 8 to 1/8 if not given."),
     ] = None,
+    tolerance: Annotated[
+        list[float] | None,
+        typer.Option(help="Let an error estimate choose the steps too, as 1e-3; may repeat."),
+    ] = None,
+    also: Annotated[
+        list[str] | None,
+        typer.Option(help="Another scene at the same steps, against the same reference."),
+    ] = None,
     reference: Annotated[
         str | None, typer.Option(help="monolith or self; the first that can be had if not given.")
     ] = None,
@@ -52,7 +60,8 @@ def precision(
     from ..errors import InputError
     from ..interrupt import Interrupt
     from ..studies.ladder import advice, draw, facts, table, write
-    from ..studies.precision import LADDER, parse_method
+    from ..studies.method import parse_method
+    from ..studies.precision import LADDER
     from ..studies.precision import precision as study_precision
 
     target = output or Path("results") / f"{Path(scene).stem}.precision.csv"
@@ -66,12 +75,16 @@ def precision(
             raise InputError(f"--reference {reference!r}: monolith or self")
         if any(not f > 0.0 for f in factor or []):
             raise InputError("--factor: has to be above zero")
+        if any(not 0.0 < t < 1.0 for t in tolerance or []):
+            raise InputError("--tolerance: has to be between 0 and 1")
         target.parent.mkdir(parents=True, exist_ok=True)
         study = study_precision(
             scene,
             fmus,
             methods=[parse_method(text) for text in method or []] or None,
             ladder=factor or LADDER,
+            tolerances=tolerance or (),
+            also=also or (),
             reference="self" if reference == "self" else "monolith" if reference else None,
             variables=variable,
             repeats=repeats,

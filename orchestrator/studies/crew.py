@@ -1,4 +1,4 @@
-"""Points handed to workers one by one, so that a sick point costs itself and no other."""
+"""Pieces of work handed to workers one by one, so that a sick one costs itself and no other."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from time import monotonic
-from typing import Any, Self
+from typing import Any, Generic, Self, TypeVar
 
 from ..errors import InputError, SimulationError
 from . import cluster
 from .cluster import Client
-from .points import Point
 
 Answer = dict[str, Any]
-Task = Callable[[Point], Answer]
+Item = TypeVar("Item")
+"""A piece of work: the point of a sweep, a case of a stability study."""
+
 TICK = 0.1
 """Seconds after which interrupts, hung points and lost workers are looked for again."""
 
@@ -37,14 +38,14 @@ class Lost:
 
 
 @dataclass(frozen=True)
-class _Flight:
-    point: Point
+class _Flight(Generic[Item]):
+    point: Item
     future: Any
     begun: float
     last: bool
 
 
-class Crew:
+class Crew(Generic[Item]):
     """Workers that take one point at a time each; started when the first point is asked for.
 
     A worker that dies has its point tried once more while nothing else runs; a point over
@@ -52,7 +53,11 @@ class Crew:
     """
 
     def __init__(
-        self, task: Task, workers: int | None, scheduler: str | None, patience: float | None
+        self,
+        task: Callable[[Item], Answer],
+        workers: int | None,
+        scheduler: str | None = None,
+        patience: float | None = None,
     ) -> None:
         self._task = task
         self._workers = workers
@@ -60,7 +65,7 @@ class Crew:
         self._patience = math.inf if patience is None else patience
         self._stack = contextlib.ExitStack()
         self._client: Client | None = None
-        self._flights: dict[str, _Flight] = {}
+        self._flights: dict[str, _Flight[Item]] = {}
         self._leaving: set[str] = set()
         self._done: Counter[str] = Counter()
         self._wake = threading.Event()
@@ -75,15 +80,15 @@ class Crew:
         self._stack.close()
 
     def answers(
-        self, points: Iterable[Point], check: Callable[[], None]
-    ) -> Iterator[tuple[Point, Answer | Lost]]:
+        self, points: Iterable[Item], check: Callable[[], None]
+    ) -> Iterator[tuple[Item, Answer | Lost]]:
         """What became of each point, as it becomes known; `check` may raise at any tick.
 
         `InputError` where a worker cannot take up points at all, `SimulationError` where there
         is nobody left to give them to.
         """
         waiting = deque(points)
-        alone: deque[Point] = deque()
+        alone: deque[Item] = deque()
         client = self._opened(len(waiting)) if waiting else None
         while client is not None and (waiting or alone or self._flights):
             check()
@@ -129,7 +134,7 @@ class Crew:
         return here
 
     def _send(
-        self, client: Client, here: list[str], waiting: deque[Point], alone: deque[Point]
+        self, client: Client, here: list[str], waiting: deque[Item], alone: deque[Item]
     ) -> None:
         """Give points to free workers; those that are to run alone when all else is done."""
         for address in here:
@@ -142,14 +147,16 @@ class Crew:
             elif alone and not self._flights:
                 self._launch(client, address, alone.popleft(), last=True)
 
-    def _launch(self, client: Client, address: str, point: Point, *, last: bool) -> None:
+    def _launch(self, client: Client, address: str, point: Item, *, last: bool) -> None:
         future = client.submit(
             self._task, point, workers=[address], pure=False, retries=0, allow_other_workers=False
         )
         future.add_done_callback(lambda _: self._wake.set())
         self._flights[address] = _Flight(point, future, monotonic(), last)
 
-    def _landed(self, here: list[str], client: Client) -> Iterator[tuple[_Flight, Answer | Lost]]:
+    def _landed(
+        self, here: list[str], client: Client
+    ) -> Iterator[tuple[_Flight[Item], Answer | Lost]]:
         """Flights that are over, whichever way."""
         for address, flight in list(self._flights.items()):
             spent = monotonic() - flight.begun

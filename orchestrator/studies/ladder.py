@@ -18,7 +18,9 @@ MARKERS = "osd^v<>p*"
 
 
 def per_cycle(study: Study, rung: Rung) -> str:
-    """The step of a rung as steps per cycle, else as a time."""
+    """The step of a rung as steps per cycle, else as a time; or its tolerance."""
+    if rung.tolerance is not None:
+        return f"{rung.tolerance:.0e} tolerance"
     if study.frequency:
         return f"{1.0 / study.frequency / rung.step:.4g} per cycle"
     return f"{rung.step:.4g} s"
@@ -29,7 +31,7 @@ def table(study: Study) -> Table:
     from rich.table import Table
 
     made = Table(title=printable(study.title), title_justify="left")
-    for label in ("method", "step", "error", "order", "wall time", "steps", "rollbacks", ""):
+    for label in ("method", "step", "error", "order", "wall time", "doStep calls", "rollbacks", ""):
         made.add_column(label)
     for rung in study.rungs:
         done = rung.status == "done"
@@ -67,7 +69,9 @@ def facts(study: Study) -> list[dict[str, Any]]:
         setting = {
             "master": rung.method.kind,
             "laws": rung.method.laws,
+            "scene": rung.method.scene,
             "step": rung.step,
+            "tolerance": rung.tolerance,
             "status": rung.status,
             "wall_time": rung.wall_time,
             "communication_steps": rung.steps,
@@ -119,11 +123,11 @@ def draw(study: Study, path: Path) -> Path:
         style = {"marker": MARKERS[k % len(MARKERS)], "color": f"C{k % 10}", "lw": 1.0, "ms": 4}
         errors = [study.error(r) for r in done]
         axes[0].loglog([r.wall_time for r in done], errors, label=str(method), **style)
-        axes[1].loglog([r.step for r in done], errors, **style)
+        axes[1].loglog([study.simulated / max(r.steps, 1) for r in done], errors, **style)
         failed = [r.step for r in rungs if r.status != "done"]
         axes[1].plot(failed, [1.0] * len(failed), "x", color=style["color"])
     axes[0].set(xlabel="wall time (s)", ylabel=f"largest error of {', '.join(study.variables)}")
-    axes[1].set(xlabel="communication step (s); x: stopped")
+    axes[1].set(xlabel="mean communication step (s); x: stopped")
     for axis in axes:
         axis.grid(visible=True, which="both", alpha=0.2)
     floor = max((study.bound.get(name, 0.0) for name in study.variables), default=0.0)

@@ -2,37 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..errors import InputError, ResilinError, SceneError, nearest
+from ..errors import ResilinError
 from ..interrupt import Interrupt, Interrupted
-from ..masters import MASTERS
 from ..plan import LIBRARY, Plan
-from ..reference import as_recorded, monolithic
-from ..results import Outcome
-from ..simulation import load, replay, run
+from ..simulation import load, run
+from .method import Method, methods_for, own, with_step
+from .yardstick import Reference, Yardstick, leading, yardstick
 
 LADDER = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)
 TARGETS = (1e-2, 1e-3, 1e-4)
-LAWS = ("held", "affine", "curvature")
-Reference = Literal["monolith", "self"]
-
-
-@dataclass(frozen=True)
-class Method:
-    """A master with as much of the ports as it is given."""
-
-    kind: str
-    laws: str
-
-    def __str__(self) -> str:
-        return f"{self.kind}, {self.laws}"
 
 
 @dataclass(frozen=True)
@@ -41,11 +26,13 @@ class Rung:
 
     `largest` and `rms` are errors relative to the reference's largest magnitude; `wall_time`
     is the least of the repeats, loading apart. `order` is that of the largest error of the
-    leading variable between this rung and the coarser one before it.
+    leading variables between this rung and the coarser one before it, over the mean step where
+    a tolerance chose them.
     """
 
     method: Method
     step: float
+    tolerance: float | None
     status: str
     wall_time: float = float("nan")
     steps: int = 0
@@ -73,28 +60,10 @@ class Study:
         return max((rung.largest.get(name, np.nan) for name in self.variables), default=np.nan)
 
     def cheapest(self, target: float) -> Rung | None:
-        """The rung with the least wall time that is within a target."""
-        good = [r for r in self.rungs if r.status == "done" and self.error(r) <= target]
+        """The rung of the scene itself with the least wall time that is within a target."""
+        own = [r for r in self.rungs if r.status == "done" and not r.method.scene]
+        good = [r for r in own if self.error(r) <= target]
         return min(good, key=lambda rung: rung.wall_time, default=None)
-
-
-def parse_method(text: str) -> Method:
-    """`gauss-seidel`, `jacobi/held`: a master, and how much of the ports it uses."""
-    kind, _, laws = text.partition("/")
-    if kind not in MASTERS:
-        raise InputError(f"--method {text!r}: no master {kind!r}; {nearest(kind, MASTERS)}")
-    if laws and laws not in LAWS:
-        raise InputError(f"--method {text!r}: no such use of laws; {nearest(laws, LAWS)}")
-    return Method(kind, laws or "curvature")
-
-
-def methods_for(plan: Plan) -> list[Method]:
-    """Every master that the units allow; with laws where the scene has any, and without."""
-    able = all(known.rollback for known in plan.interfaces.values())
-    lawful = any(c.input.order for c in plan.connections)
-    kinds = [name for name, master in MASTERS.items() if able or not master.needs_rollback]
-    used = [("curvature" if lawful else "held"), *(["held"] if lawful else [])]
-    return [Method(kind, laws) for laws in used for kind in kinds]
 
 
 def precision(
@@ -103,6 +72,8 @@ def precision(
     *,
     methods: Sequence[Method] | None = None,
     ladder: Sequence[float] = LADDER,
+    tolerances: Sequence[float] = (),
+    also: Sequence[str | Path] = (),
     reference: Reference | None = None,
     variables: Sequence[str] | None = None,
     repeats: int = 3,
@@ -113,146 +84,90 @@ def precision(
 ) -> Study:
     """Run a scene by each method with its step times each factor of the ladder.
 
-    The reference is the monolith's where the scene has one, else the scene itself, iterated
-    at a quarter of the finest step and bounded by its distance from half that fineness.
-    `variables` lead: their errors make orders and advice; all wired ones otherwise. Runs that
+    Besides, its own master gets each of the `tolerances`, and each scene of `also`, by its own
+    master, the same steps: a scene with a part of another fidelity shows what that costs and
+    how far it is from the first scene. The reference is the first scene's, see
+    :func:`orchestrator.studies.yardstick.yardstick`.
+    `variables` lead: their errors make orders and advice; the motion otherwise. Runs that
     fail stay in the study with their reason. Raises `InputError` on unknown variables and
     `SceneError` where the monolith is asked for and cannot be had.
     """
-    plan = load(scene, changes, library, **(options or {}))
+    given = dict(options or {})
+    plan = load(scene, changes, library, **given)
     chosen = list(methods or methods_for(plan))
-    exact, name, bound = _reference(plan, library, reference, min(ladder), interrupt)
-    leading = _leading(plan, exact, variables)
+    others = [load(other, None, library, **given) for other in also]
+    measure = yardstick(plan, library, reference, min(ladder), interrupt)
+    shown = leading(plan, measure.exact, variables)
     rungs: list[Rung] = []
+    climb = _Climb(measure, shown, repeats, interrupt, rungs, tell or (lambda rung: None))
+    steps = [factor * plan.grid.step for factor in sorted(ladder, reverse=True)]
     for method in chosen:
-        before: Rung | None = None
-        for factor in sorted(ladder, reverse=True):
-            rung = _rung(plan, method, factor, exact, repeats, interrupt, before, leading)
-            rungs.append(rung)
-            before = rung
-            if tell is not None:
-                tell(rung)
+        climb.up(plan, method, [(step, None) for step in steps])
+    for other in others:
+        climb.up(other, own(other, scene=other.path.stem), [(step, None) for step in steps])
+    if tolerances:
+        sizes = sorted(tolerances, reverse=True)
+        climb.up(plan, own(plan, controlled=True), [(plan.grid.step, t) for t in sizes])
     simulated = plan.grid.stop - plan.grid.start
-    return Study(plan.scenario.title, name, bound, leading, plan.frequency, simulated, rungs)
-
-
-def with_step(plan: Plan, method: Method, step: float) -> Plan:
-    """The same scene by another method and with another step, recorded whole."""
-    scenario = plan.scenario
-    time = {"start": plan.grid.start, "stop": plan.grid.stop, "step": step, "tolerance": None}
-    time["frequency"] = plan.frequency
-    changed = {
-        "time": time,
-        "master": {"kind": method.kind, "laws": method.laws, "order": plan.order},
-        "record": {**scenario.record.model_dump(), "every": 1},
-    }
-    merged = {**scenario.model_dump(by_alias=True), **changed}
-    return load_tree(merged, plan)
-
-
-def load_tree(tree: dict[str, Any], plan: Plan) -> Plan:
-    """A changed scene checked against the same FMUs."""
-    from ..plan import check
-    from ..scenario import Scenario
-
-    paths = {name: str(known.path.resolve()) for name, known in plan.interfaces.items()}
-    for name, component in tree["components"].items():
-        component["fmu"] = paths[name]
-    return check(Scenario.model_validate(tree), plan.path)
-
-
-def _rung(
-    plan: Plan, method: Method, factor: float, exact: Outcome, repeats: int,
-    interrupt: Interrupt | None, before: Rung | None, leading: list[str],
-) -> Rung:  # fmt: skip
-    """One setting, repeated; the reason in its status where it does not run."""
-    step = factor * plan.grid.step
-    try:
-        setting = with_step(plan, method, step)
-        done = run(setting, interrupt=interrupt)
-        if isinstance(done.failure, Interrupted):
-            raise done.failure
-        if done.failure is not None:
-            return Rung(method, step, f"stopped: {done.failure}", steps=done.steps)
-        wall = [run(setting, interrupt=interrupt).wall_time for _ in range(repeats)]
-    except ResilinError as error:
-        return Rung(method, step, f"stopped: {error}")
-    largest, rms = _errors(done, exact)
-    order = float("nan")
-    if before is not None and before.largest and leading:
-        first = max(before.largest[name] for name in leading)
-        last = max(largest[name] for name in leading)
-        if first > 0.0 and last > 0.0:
-            order = float(np.log(first / last) / np.log(before.step / step))
-    return Rung(
-        *(method, step, "done", min(wall), done.steps, sum(done.calls.values())),
-        *(sum(done.rollbacks.values()), largest, rms, order),
+    return Study(
+        *(plan.scenario.title, measure.name, measure.bound, shown),
+        *(plan.frequency, simulated, rungs),
     )
 
 
-def _errors(done: Outcome, exact: Outcome) -> tuple[dict[str, float], dict[str, float]]:
-    """Largest and root-mean-square error of each variable over the common times, relative."""
-    mine, theirs = common(done.times, exact.times)
-    largest, rms = {}, {}
-    for name in exact.names:
-        wanted = exact.series(name)
-        off = done.series(name)[mine] - wanted[theirs]
-        size = float(np.abs(wanted).max(initial=0.0)) or 1.0
-        largest[name] = float(np.abs(off).max(initial=0.0)) / size
-        rms[name] = float(np.sqrt(np.mean(off * off))) / size
-    return largest, rms
+@dataclass(frozen=True)
+class _Climb:
+    """One ladder after the other, all measured alike."""
 
+    measure: Yardstick
+    leading: list[str]
+    repeats: int
+    interrupt: Interrupt | None
+    rungs: list[Rung]
+    tell: Callable[[Rung], None]
 
-def common(
-    one: NDArray[np.float64], other: NDArray[np.float64]
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Places of the times that two runs share, up to rounding."""
-    grain = 1e-9 * max(float(one[-1] - one[0]), 1e-300)
-    near = np.searchsorted(other, one - grain)
-    near = np.minimum(near, len(other) - 1)
-    same = np.abs(other[near] - one) <= grain
-    return np.flatnonzero(same), near[same]
+    def up(
+        self, plan: Plan, method: Method, settings: Sequence[tuple[float, float | None]]
+    ) -> None:
+        """Every rung of one method, coarsest first."""
+        before: Rung | None = None
+        for step, tolerance in settings:
+            before = self._rung(plan, method, step, tolerance, before)
+            self.rungs.append(before)
+            self.tell(before)
 
-
-def _reference(
-    plan: Plan, library: Path, wanted: Reference | None, finest: float, interrupt: Interrupt | None
-) -> tuple[Outcome, str, dict[str, float]]:
-    """A solution to measure by, what it is, and a bound of its own error."""
-    points = [plan.grid.point(k) for k in range(plan.grid.count + 1)]
-    if wanted != "self":
+    def _rung(
+        self, plan: Plan, method: Method, step: float, tolerance: float | None, before: Rung | None
+    ) -> Rung:
+        """One setting, repeated; the reason in its status where it does not run."""
         try:
-            single = monolithic(plan, library)
-            exact = as_recorded(_whole(replay(single, points, interrupt)), plan)
-            return exact, "the monolith, DOP853 at 1e-10", {}
-        except SceneError:
-            if wanted == "monolith":
-                raise
-    able = all(known.rollback for known in plan.interfaces.values())
-    method = Method("iterative" if able else "gauss-seidel", plan.scenario.master.laws)
-    fine, finer = (
-        _whole(run(with_step(plan, method, share * finest * plan.grid.step), interrupt=interrupt))
-        for share in (0.5, 0.25)
-    )
-    bound, _ = _errors(fine, finer)
-    mine, _ = common(finer.times, np.asarray(points))
-    kept = replace(finer, times=finer.times[mine], rows=finer.rows[mine])
-    return kept, f"itself by {method} at a quarter of the finest step", bound
+            setting = with_step(plan, method, step, tolerance)
+            done = run(setting, interrupt=self.interrupt, estimate=False)
+            if isinstance(done.failure, Interrupted):
+                raise done.failure
+            if done.failure is not None:
+                why = f"stopped: {done.failure}"
+                return Rung(method, step, tolerance, why, steps=done.steps)
+            wall = [
+                run(setting, interrupt=self.interrupt, estimate=False).wall_time
+                for _ in range(self.repeats)
+            ]
+        except ResilinError as error:
+            return Rung(method, step, tolerance, f"stopped: {error}")
+        largest, rms = self.measure.errors(done, self.interrupt)
+        made = Rung(
+            *(method, step, tolerance, "done", min(wall), done.steps, sum(done.calls.values())),
+            *(sum(done.rollbacks.values()), largest, rms),
+        )
+        return replace(made, order=self._order(before, made))
 
-
-def _whole(outcome: Outcome) -> Outcome:
-    if outcome.failure is not None:
-        raise outcome.failure
-    return outcome
-
-
-def _leading(plan: Plan, exact: Outcome, variables: Iterable[str] | None) -> list[str]:
-    """Variables whose errors count: those named, else the motion, else all wired ones."""
-    if variables:
-        for name in variables:
-            if name not in exact.names:
-                hint = nearest(name, exact.names)
-                raise InputError(f"--variable {name!r}: is not recorded; {hint}")
-        return list(variables)
-    moving = [n for n in exact.names if n.rpartition(".")[2] in {"displacement", "flap_angle"}]
-    wired = {f"{c.source}.{c.output.name}" for c in plan.connections if not c.output.order}
-    return moving or [n for n in exact.names if n in wired] or list(exact.names)
+    def _order(self, before: Rung | None, rung: Rung) -> float:
+        """Observed order between two rungs; NaN where there are none to be compared."""
+        if before is None or not before.largest or not self.leading:
+            return float("nan")
+        first = max(before.largest.get(name, 0.0) for name in self.leading)
+        last = max(rung.largest.get(name, 0.0) for name in self.leading)
+        finer = rung.steps / max(before.steps, 1)
+        if not (first > 0.0 and last > 0.0 and finer > 1.0):
+            return float("nan")
+        return float(np.log(first / last) / np.log(finer))

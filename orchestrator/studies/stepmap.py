@@ -24,6 +24,8 @@ Values = NDArray[np.float64]
 COUNT = 24
 """Steps of a unit's response: a unit alone has few states."""
 NOISE = 1e-7
+DOUBTFUL = 1e-3
+"""Disagreement of two nudges, relative, above which an output's response is rounding."""
 UNKNOWN = 1e-2
 """Size taken for a value that has been nothing but zero."""
 REFRESHED = 3
@@ -152,38 +154,12 @@ def _unit(
     usual = np.maximum(np.abs(still[free]), largest[member.sources[free]])
     values = np.array([system.variables[member.sources[k]].order == 0 for k in free], dtype=bool)
     usual = np.where((usual == 0.0) & values, UNKNOWN, usual)
-    sequence = np.zeros((count, len(own), len(free)))
-    direct = np.zeros((len(own), len(free)))
-    after = np.zeros((len(own), len(free)))
-    for column, k in enumerate(free):
-        if usual[column] == 0.0:
-            continue
-        nudge = NUDGE * usual[column]
-        for sign in (1.0, -1.0):
-            system.restore(moment)
-            for n in range(count):
-                member.buffer[:] = still
-                member.buffer[k] += sign * nudge if n == 0 else 0.0
-                if n == 0:
-                    member.unit.send()
-                    member.unit.receive()
-                    direct[:, column] += sign * system.values[own]
-                member.buffer[clocks] += (n + ahead) * size
-                member.unit.send()
-                member.unit.step(time + n * size, size)
-                if n == 0:
-                    member.unit.receive()
-                    after[:, column] += sign * system.values[own]
-                member.buffer[:] = still
-                member.buffer[clocks] += (n + 1) * size
-                member.unit.send()
-                member.unit.receive()
-                sequence[n, :, column] += sign * system.values[own]
-    sequence /= 2.0 * NUDGE
-    direct /= 2.0 * NUDGE
-    after = after / (2.0 * NUDGE) - sequence[0]
+    probe = _Probe(system, moment, member, still, clocks, ahead, free, own, usual)
+    sequence, direct, after = probe.responses(time, size, count, NUDGE)
+    again, _, _ = probe.responses(time, size, count, 0.5 * NUDGE)
+    sequence, smallest = _sound(sequence, again)
     by = np.where(usual > 0.0, usual, 1.0)
-    a, b, c = realise(sequence, smallest=NOISE) if own and free else _none(len(own), len(free))
+    a, b, c = realise(sequence, smallest=smallest) if own and free else _none(len(own), len(free))
     return UnitModel(
         *(
             member.unit.name,
@@ -196,6 +172,71 @@ def _unit(
         ),
         np.array([shown.index(k) for k in own], dtype=np.intp),
     )
+
+
+@dataclass(frozen=True)
+class _Probe:
+    """One unit at rest whose free inputs are nudged one by one, held over a step, up and down."""
+
+    system: System
+    moment: Moment
+    member: Member
+    still: Values
+    clocks: list[int]
+    ahead: Values
+    free: list[int]
+    own: list[int]
+    usual: Values
+
+    def responses(
+        self, time: float, size: float, count: int, nudge: float
+    ) -> tuple[Values, Values, Values]:
+        """Markov parameters (count, outputs, inputs), D before a step, and E right after it.
+
+        By the usual size of each input; those that carry nothing have none.
+        """
+        member, values = self.member, self.system.values
+        shape = (len(self.own), len(self.free))
+        sequence = np.zeros((count, *shape))
+        direct, after = np.zeros(shape), np.zeros(shape)
+        for column, k in enumerate(self.free):
+            if self.usual[column] == 0.0:
+                continue
+            for sign in (1.0, -1.0):
+                self.system.restore(self.moment)
+                for n in range(count):
+                    member.buffer[:] = self.still
+                    member.buffer[k] += sign * nudge * self.usual[column] if n == 0 else 0.0
+                    if n == 0:
+                        member.unit.send()
+                        member.unit.receive()
+                        direct[:, column] += sign * values[self.own]
+                    member.buffer[self.clocks] += (n + self.ahead) * size
+                    member.unit.send()
+                    member.unit.step(time + n * size, size)
+                    if n == 0:
+                        member.unit.receive()
+                        after[:, column] += sign * values[self.own]
+                    member.buffer[:] = self.still
+                    member.buffer[self.clocks] += (n + 1) * size
+                    member.unit.send()
+                    member.unit.receive()
+                    sequence[n, :, column] += sign * values[self.own]
+        scale = 2.0 * nudge
+        return sequence / scale, direct / scale, after / scale - sequence[0] / scale
+
+
+def _sound(sequence: Values, again: Values) -> tuple[Values, float]:
+    """What two sizes of nudge agree on, and the share that is noise.
+
+    Outputs on which they disagree, differences of all but equal numbers, are taken for none.
+    """
+    size = np.abs(sequence).max(axis=(0, 2))
+    size = np.where(size > 0.0, size, 1.0)
+    noise = np.abs(sequence - again).max(axis=(0, 2)) / size
+    sound = noise < DOUBTFUL
+    kept = np.where(sound[None, :, None], sequence, 0.0)
+    return kept, max(NOISE, 10.0 * float(noise[sound].max(initial=0.0)))
 
 
 def _none(rows: int, columns: int) -> tuple[Values, Values, Values]:

@@ -90,7 +90,7 @@ class _Study:
         self,
         grid: Grid,
         folder: Folder,
-        crew: Crew,
+        crew: Crew[Point],
         refine: str | None,
         check: Check,
         told: Callable[[int, int], None],

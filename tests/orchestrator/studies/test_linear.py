@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from orchestrator.simulation import load, run
 from orchestrator.studies.linear import linearise, realise
 from orchestrator.studies.stepmap import MAPPED, limit, step_map
 from tests.evals.two_masses import scenes
+from tests.foreign.build import foreign
 
 runner = CliRunner()
 COMMAND = "amplifier.command.top"
@@ -116,6 +118,100 @@ def test_the_limit_of_two_masses(library: Path, tmp_path: Path, kind: str) -> No
 
     assert not grows(0.9 * predicted)
     assert grows(1.1 * predicted)
+
+
+def bisected(grows: Callable[[float], bool], low: float, high: float) -> float:
+    """Largest stable step by running, to half a per cent."""
+    while high - low > 5e-3 * low:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if grows(middle) else (middle, high)
+    return 0.5 * (low + high)
+
+
+@pytest.mark.parametrize("kind", MAPPED)
+def test_the_limit_of_an_oscillator(library: Path, kind: str) -> None:
+    """Held forces on oscillator 1: the predicted limit within 1 % of the measured one."""
+    settings = {"master": {"kind": kind, "laws": "held"}}
+    plan = still(library, time={"step": 1e-4}, **settings)
+    predicted = limit(plan, kind, 1e-4, 5e-3, within=3e-3)
+
+    def grows(step: float) -> bool:
+        pushed = {"payload.start_velocity": "0.01"}
+        time = {"step": step, "stop": 400 * step}
+        done = run(still(library, changes=pushed, time=time, **settings))
+        speed = np.abs(done.series("payload.velocity"))
+        rising = speed[-len(speed) // 4 :].max() > speed[: len(speed) // 4].max()
+        return done.failure is not None or bool(rising)
+
+    assert bisected(grows, 5e-4, 5e-3) == pytest.approx(predicted, rel=0.01)
+
+
+SPLIT = """
+[time]
+stop = 10
+step = 1e-2
+[components.capacitor]
+fmu = "./mass.fmu"
+isolate = false
+start = { mass = 0.5 }
+[components.resistor]
+fmu = "./pair.fmu"
+isolate = false
+start = { stiffness = 0.0, ground_stiffness = 0.0, damping = 10.0 }
+[[wires]]
+from = "capacitor.velocity"
+to = "resistor.first.velocity"
+[[wires]]
+from = "resistor.first.value"
+to = "capacitor.force"
+[hold]
+"resistor.first.displacement" = 0.0
+"resistor.second.displacement" = 0.0
+"resistor.second.velocity" = 0.0
+"""
+"""A capacitor (m dv/dt = F, with v for the voltage) and the resistor of its electrode apart."""
+
+
+@pytest.mark.parametrize("kind", MAPPED)
+def test_the_limit_of_a_split_electrode(library: Path, tmp_path: Path, kind: str) -> None:
+    """A current held over a step is stable below 2 R C = 0.1 s, by map and by running."""
+    foreign("MASS", tmp_path)
+    foreign("PAIR", tmp_path)
+    scene = tmp_path / "split.toml"
+    scene.write_text(SPLIT)
+    predicted = limit(load(scene, None, library), kind, 0.01, 0.5, within=3e-3)
+    assert predicted == pytest.approx(0.1, rel=0.01)
+
+    def grows(step: float) -> bool:
+        pushed = {"capacitor.start_velocity": "1"}
+        time = {"step": step, "stop": 200 * step}
+        done = run(load(scene, pushed, library, time=time, master={"kind": kind}))
+        return done.failure is not None or abs(done.series("capacitor.velocity")[-1]) > 1.0
+
+    assert bisected(grows, 0.01, 0.5) == pytest.approx(predicted, rel=0.01)
+
+
+@pytest.mark.parametrize("laws", ["held", "curvature"])
+@pytest.mark.parametrize(("resistance", "capacitance"), [("1 kOhm", "1 nF"), ("10 MOhm", "10 nF")])
+def test_our_electrode_has_no_limit(
+    library: Path, tmp_path: Path, laws: str, resistance: str, capacitance: str
+) -> None:
+    """Charge and capacitance cross together and one unit owns the voltage: stable at any step.
+
+    Time constants of 1 us and 0.1 s, steps from 10 us to 1 s.
+    """
+    scene = tmp_path / "electrode.toml"
+    scene.write_text(
+        'extends = "oscillator-1"\nwithout = ["payload"]\n'
+        '[hold]\n"spring.motion.displacement" = 0.0\n'
+    )
+    changes = {"amplifier.resistance": resistance, "spring.capacitance": capacitance}
+    changes |= {"amplifier.waveform": "external"}
+    hold = {COMMAND: "1 kV"}
+    plan = load(scene, changes, library, hold=hold, master={"laws": laws}, time={"stop": 1.0})
+    for step in (1e-5, 1e-3, 1.0):
+        for kind in MAPPED:
+            assert step_map(plan, step).radius(kind) <= 1.0 + 1e-6
 
 
 def test_an_unstable_wire_is_named(library: Path, tmp_path: Path) -> None:

@@ -12,7 +12,8 @@ from typer.testing import CliRunner
 from orchestrator.cli import app
 from orchestrator.errors import InputError, SceneError
 from orchestrator.studies.ladder import advice, draw, write
-from orchestrator.studies.precision import Method, Study, parse_method, precision
+from orchestrator.studies.method import Method, parse_method
+from orchestrator.studies.precision import Study, precision
 from tests.evals.two_masses import exact, scenes
 
 runner = CliRunner()

@@ -1,0 +1,109 @@
+"""`resilin stability`: stiff and extreme cases by every master over a ladder of steps."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import common
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("stability")(stability)
+
+
+def stability(
+    scene: Annotated[
+        str | None, typer.Argument(help="A scene, in place of the list of extreme cases.")
+    ] = None,
+    cases: Annotated[
+        Path | None, typer.Option(help="TOML file of cases; the shipped one if not given.")
+    ] = None,
+    case: Annotated[
+        list[str] | None, typer.Option(help="One case of the list, by name; may repeat.")
+    ] = None,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(help="Master, or master/laws as jacobi/held; may repeat. All if not given."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes; as many as processors if not given.")
+    ] = None,
+    patience: Annotated[float, typer.Option(help="Seconds that one run may take.")] = 30.0,
+    output: Annotated[
+        Path | None, typer.Option(help="CSV; results/stability.csv if not given.")
+    ] = None,
+    set_: common.Sets = None,
+    fmus: common.Library = common.BUILT,
+    json: common.Json = False,
+    quiet: common.Quiet = False,
+) -> None:
+    """Run extreme cases by every master at 4 to 1024 steps in a cycle; class each run.
+
+    Accurate, bounded but inaccurate and saying so, stopped with an error, or silently wrong:
+    the last makes the exit code 1.
+
+    Example: resilin stability --case water --method gauss-seidel
+    """
+    from ..errors import InputError
+    from ..interrupt import Interrupt
+    from ..scenario import scene_names, scene_path
+    from ..studies.method import parse_method
+    from ..studies.stability import CLASSES, Case, load_cases
+    from ..studies.stability import stability as study_stability
+    from ..studies.stability.cases import shipped
+    from ..studies.stability.chart import draw, legend, table, write
+
+    with Interrupt() as interrupt, common.reported():
+        if scene is not None and (cases or case):
+            raise InputError("stability: takes a scene or a list of cases, not both")
+        if set_ and scene is None:
+            raise InputError("--set: needs a scene; the cases of a list have their own")
+        if scene is not None:
+            path = scene_path(scene)
+            name = scene if scene in scene_names() else str(path.absolute())
+            changes = common.assignments(set_)
+            listed = [Case(name=path.stem, scene={"extends": name}, set=dict(changes))]
+            file = Path(f"{path.stem}.toml").absolute()
+        else:
+            file = cases or shipped()
+            listed = load_cases(file, case)
+        target = output or Path("results") / f"{'stability' if scene is None else file.stem}.csv"
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shown = sys.stderr.isatty() and not (quiet or json)
+
+        def tell(done: int, total: int) -> None:
+            if shown:
+                typer.echo(f"\r{done} of {total} ", nl=done == total, err=True)
+
+        study = study_stability(
+            listed,
+            file,
+            fmus,
+            methods=[parse_method(text) for text in method or []] or None,
+            workers=workers,
+            patience=patience,
+            interrupt=interrupt,
+            tell=tell,
+        )
+        write(study, target)
+        drawn = draw(study, target.with_suffix(".svg"))
+    count, usual = study.count(), study.count(usual=True)
+    if json:
+        trials = [asdict(trial) for trial in study.trials]
+        common.print_json({"count": count, "references": study.references, "trials": trials})
+    elif not quiet:
+        from rich.console import Console
+
+        Console().print(table(study))
+        typer.echo(legend())
+        typer.echo("all:            " + ", ".join(f"{count[kind]} {kind}" for kind in CLASSES))
+        typer.echo("scenes' own:    " + ", ".join(f"{usual[kind]} {kind}" for kind in CLASSES))
+        typer.echo(f"{study.wall_time:.0f} s\ntable:   {target}\npicture: {drawn}")
+    if count["silent"]:
+        raise typer.Exit(1)

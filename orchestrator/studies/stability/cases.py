@@ -1,0 +1,88 @@
+"""A list of cases: scenes with something extreme about them, as checked data."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from ...errors import SceneError, nearest
+from ...plan import LIBRARY, Plan
+from ...scenario import Quantity, Text, scenario_of
+from ...simulation import planned
+from ..yardstick import Reference
+
+LADDER = (4, 8, 16, 32, 64, 128, 256, 512, 1024)
+"""Communication steps in a cycle, unless a case has its own."""
+
+SHIPPED = "cases/extremes.toml"
+
+
+class Case(BaseModel):
+    """A named scene, given as a tree that may extend another, with start values changed.
+
+    `per_cycle` are its steps; `reference` is what it is measured by where it is not the
+    monolith, if there is one.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    name: Text
+    title: Text = ""
+    scene: dict[str, Any]
+    set: dict[str, Quantity | bool] = {}
+    per_cycle: list[Annotated[int, Field(strict=True, ge=1, le=1_000_000)]] = list(LADDER)
+    reference: Reference | None = None
+
+
+class _List(BaseModel):
+    """A file of cases."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    cases: list[Case]
+
+
+def shipped() -> Path:
+    """File of the cases that come with the package."""
+    return Path(str(resources.files("scenarios") / SHIPPED))
+
+
+def load_cases(path: Path, names: list[str] | None = None) -> list[Case]:
+    """Cases of a TOML file, or those of them that are named; `SceneError` with what is wrong."""
+    try:
+        tree = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise SceneError(f"{path}: cannot be read as UTF-8 text ({error})") from None
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        raise SceneError(f"{path}: not TOML: {error}") from None
+    try:
+        cases = _List.model_validate(tree).cases
+    except ValidationError as error:
+        raise SceneError(
+            f"{path}: {'.'.join(map(str, e['loc']))}: {e['msg']}"
+            for e in error.errors(include_url=False)
+        ) from None
+    known = [case.name for case in cases]
+    if twice := {name for name in known if known.count(name) > 1}:
+        raise SceneError(f"{path}: two cases are called {', '.join(sorted(twice))}")
+    for name in names or []:
+        if name not in known:
+            raise SceneError(f"{path}: no case {name!r}; {nearest(name, known)}")
+    return [case for case in cases if not names or case.name in names]
+
+
+def plan_of(case: Case, path: Path, library: Path = LIBRARY, per_cycle: int | None = None) -> Plan:
+    """Checked plan of a case of the file at `path`, at its scene's own step or another."""
+    time = {} if per_cycle is None else {"step": {"per_cycle": per_cycle}}
+    scene = {"title": case.title, **case.scene}
+    scenario = scenario_of(scene, path, {key: _text(v) for key, v in case.set.items()}, time=time)
+    plan = planned(scenario, path, library)
+    if plan.frequency is None:
+        raise SceneError(f"{path}: {case.name}: steps in a cycle need time.frequency")
+    return plan
+
+
+def _text(value: float | str | bool) -> Any:
+    return value

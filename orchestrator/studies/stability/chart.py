@@ -1,0 +1,112 @@
+"""A stability study as a table, a file for spreadsheets, and heat maps."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...errors import OutputError, printable
+from .study import Study
+from .verdict import CLASSES, Trial
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+COLOURS = {
+    "accurate": "#2f7d4f",
+    "inaccurate": "#e2b93b",
+    "stopped": "#5b7fa6",
+    "silent": "#c0392b",
+    "late": "#b0b0b0",
+}
+LETTERS = {
+    "accurate": "A",
+    "inaccurate": "i",
+    "stopped": "s",
+    "silent": "!",
+    "late": ".",
+}
+
+
+def table(study: Study) -> Table:
+    """A line for each case and method: a letter for each step, coarsest first."""
+    from rich.table import Table
+
+    made = Table("case", "master", "steps in a cycle", "", title="stability", title_justify="left")
+    for (case, label), trials in _rows(study):
+        steps = f"{trials[0].per_cycle} ... {trials[-1].per_cycle}"
+        letters = "".join(LETTERS[t.kind] for t in trials)
+        made.add_row(printable(case), label, steps, letters)
+    return made
+
+
+def legend() -> str:
+    """What the letters mean."""
+    return "; ".join(f"{LETTERS[kind]} {kind}: {meaning}" for kind, meaning in CLASSES.items())
+
+
+def _rows(study: Study) -> list[tuple[tuple[str, str], list[Trial]]]:
+    rows: dict[tuple[str, str], list[Trial]] = {}
+    for trial in study.trials:
+        rows.setdefault((trial.case, f"{trial.master}, {trial.laws}"), []).append(trial)
+    return list(rows.items())
+
+
+def write(study: Study, path: Path) -> Path:
+    """Every trial as a line of CSV."""
+    waiting = path.with_name(f".{path.name}.part")
+    try:
+        with waiting.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, list(asdict(study.trials[0])))
+            writer.writeheader()
+            writer.writerows(asdict(trial) for trial in study.trials)
+        waiting.replace(path)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+    finally:
+        waiting.unlink(missing_ok=True)
+    return path
+
+
+def draw(study: Study, path: Path) -> Path:
+    """Heat maps, one for each method: cases down, steps across, coloured by class."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import numpy as np
+    from matplotlib import pyplot
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    kinds = list(CLASSES)
+    cases = [case.name for case in study.cases]
+    steps = sorted({n for case in study.cases for n in case.per_cycle})
+    labels = list(dict.fromkeys(f"{t.master}\n{t.laws}" for t in study.trials))
+    figure, axes = pyplot.subplots(
+        1, len(labels), sharey=True, squeeze=False,
+        figsize=(2.0 + 1.5 * len(labels), 1.5 + 0.22 * len(cases)),
+    )  # fmt: skip
+    for axis, label in zip(axes[0], labels, strict=True):
+        field = np.full((len(cases), len(steps)), np.nan)
+        for trial in (t for t in study.trials if f"{t.master}\n{t.laws}" == label):
+            if trial.per_cycle in steps:
+                place = cases.index(trial.case), steps.index(trial.per_cycle)
+                field[place] = kinds.index(trial.kind)
+        colours = ListedColormap([COLOURS[kind] for kind in kinds])
+        axis.imshow(field, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5, aspect="auto")
+        axis.set_title(label, fontsize=7)
+        axis.set_xticks(range(len(steps)), [str(n) for n in steps], rotation=90, fontsize=6)
+        axis.set_yticks(range(len(cases)), cases, fontsize=7)
+        axis.set_xlabel("steps in a cycle", fontsize=6)
+    handles = [Patch(color=COLOURS[kind], label=f"{kind}: {CLASSES[kind]}") for kind in kinds]
+    figure.legend(handles=handles, loc="lower center", ncols=2, fontsize=7)
+    figure.tight_layout(rect=(0.0, 0.6 / (1.5 + 0.22 * len(cases)), 1.0, 1.0))
+    try:
+        figure.savefig(path, dpi=130)
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{path}: cannot be drawn ({error})") from None
+    finally:
+        pyplot.close(figure)
+    return path

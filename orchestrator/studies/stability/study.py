@@ -1,0 +1,122 @@
+"""All cases by all methods on the workers of this machine."""
+
+from __future__ import annotations
+
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ...errors import SceneError
+from ...interrupt import Interrupt
+from ...plan import LIBRARY
+from ..crew import Crew, Lost
+from ..method import Method, methods_for
+from .cases import Case, plan_of
+from .trial import Job, work
+from .verdict import CLASSES, Trial
+
+PATIENCE = 30.0
+"""Seconds that one run may take."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """Trials of every case; what each was measured by, and how long all of it took [s]."""
+
+    cases: list[Case]
+    references: dict[str, str]
+    trials: list[Trial]
+    wall_time: float
+
+    def count(self, *, usual: bool = False) -> dict[str, int]:
+        """Trials of each class; with `usual` of the scenes' own settings alone."""
+        found = Counter(t.kind for t in self.trials if t.usual or not usual)
+        return {kind: found[kind] for kind in CLASSES}
+
+
+def stability(
+    cases: Sequence[Case],
+    file: Path,
+    library: Path = LIBRARY,
+    *,
+    methods: Sequence[Method] | None = None,
+    workers: int | None = None,
+    patience: float = PATIENCE,
+    interrupt: Interrupt | None = None,
+    tell: Callable[[int, int], None] | None = None,
+) -> Study:
+    """Run each case of a file by each method at each of its steps, and class what comes of it.
+
+    First the references, then the ladders; a worker that dies or hangs costs its own ladder,
+    which then counts as silently wrong. Raises `SceneError` with all problems of all cases
+    before anything runs.
+    """
+    begun = perf_counter()
+    check = interrupt.check if interrupt is not None else _nothing
+    tried = _planned(cases, file, library, methods)
+    with tempfile.TemporaryDirectory(prefix="resilin_") as folder:
+        basis = (file.resolve(), library.resolve(), Path(folder), patience)
+        solve = [Job(case, *basis) for case in cases]
+        climb = [Job(case, *basis, method) for case in cases for method in tried[case.name]]
+        total = len(solve) + len(climb)
+        references: dict[str, str] = {}
+        trials: list[Trial] = []
+        with Crew(work, workers, None, patience * 40.0) as crew:
+            for done, (job, answer) in enumerate(crew.answers(solve, check), start=1):
+                references[job.case.name] = _named(answer)
+                (tell or _silent)(done, total)
+            for done, (job, answer) in enumerate(crew.answers(climb, check), start=len(solve) + 1):
+                trials += _trials(job, answer)
+                (tell or _silent)(done, total)
+    place = {case.name: k for k, case in enumerate(cases)}
+    trials.sort(key=lambda t: (place[t.case], t.laws, t.master, t.per_cycle))
+    return Study(list(cases), references, trials, perf_counter() - begun)
+
+
+def _planned(
+    cases: Sequence[Case], file: Path, library: Path, methods: Sequence[Method] | None
+) -> dict[str, list[Method]]:
+    """Methods of each case; `SceneError` with everything that is wrong with any of them."""
+    problems: list[str] = []
+    tried: dict[str, list[Method]] = {}
+    for case in cases:
+        try:
+            plan = plan_of(case, file, library)
+        except SceneError as error:
+            problems += [f"case {case.name}: {text}" for text in error.problems]
+            continue
+        able = methods_for(plan)
+        tried[case.name] = [m for m in methods if m in able] if methods else able
+    if problems:
+        raise SceneError(problems)
+    return tried
+
+
+def _named(answer: dict[str, Any] | Lost) -> str:
+    if isinstance(answer, Lost):
+        return f"none: {answer.reason}"
+    return str(answer.get("reference") or f"none: {answer.get('reason')}")
+
+
+def _trials(job: Job, answer: dict[str, Any] | Lost) -> list[Trial]:
+    """Trials of an answer; a ladder that was lost counts as silently wrong."""
+    if isinstance(answer, dict) and "trials" in answer:
+        return [Trial(**trial) for trial in answer["trials"]]
+    reason = answer.reason if isinstance(answer, Lost) else str(answer.get("reason"))
+    method = job.method or Method("", "")
+    return [
+        Trial(job.case.name, method.kind, method.laws, n, "silent", reason=reason)
+        for n in job.case.per_cycle
+    ]
+
+
+def _nothing() -> None:
+    """No interrupts to look for."""
+
+
+def _silent(done: int, total: int) -> None:
+    """Nobody is told."""

@@ -1,0 +1,139 @@
+"""The work of a stability study: references, and ladders of trials, one case and method each."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import numpy as np
+
+from ...errors import ResilinError, printable
+from ...interrupt import Interrupt, Interrupted
+from ...plan import Plan
+from ...results import Outcome
+from ...simulation import run
+from ..method import Method, own, with_step
+from ..yardstick import errors, leading, yardstick
+from .cases import Case, plan_of
+from .verdict import Trial, judged
+
+MOST_TOLD = 300
+
+
+@dataclass(frozen=True)
+class Job:
+    """A case for a worker: with a method its ladder of trials, without one its reference."""
+
+    case: Case
+    file: Path
+    library: Path
+    folder: Path
+    patience: float
+    method: Method | None = None
+
+    @property
+    def solution(self) -> Path:
+        """Where the reference is kept."""
+        return self.folder / f"{self.case.name}.npz"
+
+
+class _Deadline(Interrupt):
+    """Ends a run that takes too long."""
+
+    def __init__(self, patience: float) -> None:
+        super().__init__()
+        self._end = monotonic() + patience
+
+    def check(self) -> None:
+        """Raise :class:`Interrupted` once time is up."""
+        if monotonic() > self._end:
+            raise Late(15)
+
+
+class Late(Interrupted):
+    """A run was not finished in time."""
+
+
+def work(job: Job) -> dict[str, Any]:
+    """What a worker does with a job; what goes wrong is in the answer."""
+    try:
+        if job.method is None:
+            return _reference(job)
+        return {"trials": [asdict(trial) for trial in _ladder(job, job.method)]}
+    except ResilinError as error:
+        return {"reason": _short(error)}
+
+
+def _reference(job: Job) -> dict[str, Any]:
+    """Solve a case at its finest steps, by its monolith or else by itself; kept in a file.
+
+    Where neither has a solution the answer says why: then every run of the case has to stop.
+    """
+    plan = plan_of(job.case, job.file, job.library, max(job.case.per_cycle))
+    wanted: list[Any] = [job.case.reference] if job.case.reference else [None, "self"]
+    reasons = []
+    for kind in wanted:
+        patience = _Deadline(4.0 * job.patience)
+        try:
+            found = yardstick(plan, job.library, kind, interrupt=patience)
+        except Late:
+            reasons.append("it takes too long")
+        except ResilinError as error:
+            reasons.append(_short(error))
+        else:
+            exact, names = found.exact, leading(plan, found.exact)
+            rows = exact.rows[:, [exact.names.index(name) for name in names]]
+            np.savez(job.solution, times=exact.times, rows=rows, names=names)
+            return {"reference": found.name, "bound": found.bound, "names": names}
+    return {"reference": "", "reason": "; ".join(reasons)}
+
+
+def _ladder(job: Job, method: Method) -> list[Trial]:
+    """Trials of one method, coarsest first; no finer ones once one was late."""
+    own_plan = plan_of(job.case, job.file, job.library)
+    exact = _solution(job, own_plan)
+    usual = round(1.0 / (own_plan.frequency or 1.0) / own_plan.grid.step)
+    trials: list[Trial] = []
+    steps = sorted({*job.case.per_cycle, *([usual] if method == own(own_plan) else [])})
+    for per_cycle in steps:
+        marked = method == own(own_plan) and per_cycle == usual
+        bare = Trial(job.case.name, method.kind, method.laws, per_cycle, "late", usual=marked)
+        if trials and trials[-1].kind == "late":
+            trials.append(replace(bare, reason="a coarser one was late"))
+            continue
+        plan = plan_of(job.case, job.file, job.library, per_cycle)
+        trials.append(_trial(job, with_step(plan, method, plan.grid.step), exact, bare))
+    return trials
+
+
+def _trial(job: Job, plan: Plan, exact: Outcome | None, bare: Trial) -> Trial:
+    """Run one setting and class what comes of it."""
+    try:
+        done = run(plan, interrupt=_Deadline(job.patience), estimate=False)
+        spent = replace(bare, wall_time=done.wall_time, calls=sum(done.calls.values()))
+        if isinstance(done.failure, Interrupted):
+            return replace(spent, kind="late", reason=f"more than {job.patience:g} s")
+        if done.failure is not None:
+            return replace(spent, kind="stopped", reason=_short(done.failure))
+        if exact is None:
+            return replace(spent, kind="silent", reason="there is no solution to be found")
+        error = max(errors(done, exact)[0].values())
+        kind, told = judged(done, error, exact.names)
+    except ResilinError as failure:
+        return replace(bare, kind="stopped", reason=_short(failure))
+    return replace(spent, kind=kind, error=error, told=told)
+
+
+def _solution(job: Job, plan: Plan) -> Outcome | None:
+    """The reference of a case as an outcome of its leading variables; None without one."""
+    if not job.solution.exists():
+        return None
+    kept = np.load(job.solution)
+    names = [str(name) for name in kept["names"]]
+    return Outcome(plan, names, kept["times"], kept["rows"], 0.0, 0, {})
+
+
+def _short(error: Exception) -> str:
+    return printable(str(error).replace("\n", "; "), most=MOST_TOLD)
