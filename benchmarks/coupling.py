@@ -21,10 +21,11 @@ from rich.console import Console
 from rich.table import Table
 
 from orchestrator import unit
+from orchestrator.loading import load
 from orchestrator.plan import LIBRARY
 from orchestrator.reference import as_recorded, monolithic
 from orchestrator.results import Outcome
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 
 BASE = 10
 """Points per cycle at which solutions are compared; every ladder entry is a multiple."""

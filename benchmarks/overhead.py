@@ -12,9 +12,10 @@ import sys
 from collections.abc import Callable
 from time import perf_counter
 
+from orchestrator.loading import load
 from orchestrator.masters import GaussSeidel
 from orchestrator.plan import Plan
-from orchestrator.simulation import advance, load
+from orchestrator.simulation import advance
 from orchestrator.system import System
 
 STEPS = 1000

@@ -9,17 +9,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .loading import load
     from .results import dataset
-    from .simulation import load, run
+    from .simulation import run
 
 __all__ = ["dataset", "load", "run"]
 
 
 def __getattr__(name: str) -> Any:
-    if name in {"load", "run"}:
-        from . import simulation
+    if name == "load":
+        from .loading import load
 
-        return getattr(simulation, name)
+        return load
+    if name == "run":
+        from .simulation import run
+
+        return run
     if name == "dataset":
         from .results import dataset
 

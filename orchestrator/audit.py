@@ -33,6 +33,8 @@ BLATANT = 0.1
 GROWTH = math.log(100.0)
 RISE = math.exp(0.75 * GROWTH)
 """Growth from the first to the last quarter of a span in which exchange grows by `GROWTH`."""
+POWER = 9.0
+"""Growth as this power of the time since the exchange began is that of a start, not of a fault."""
 EVEN = 0.6
 FED = 2e-3
 FAINT = 1e-25
@@ -55,7 +57,7 @@ class Coupling:
     parabola gives the work of the difference; with one the difference grows from the law's
     reference as a power of time, and `share` of its end value is the mean. `created` is
     energy that the coupling has made (lost where negative) and `exchanged` the integral of
-    the power's magnitude [J].
+    the power's magnitude [J]; `age` counts the steps since there was any.
     """
 
     name: str
@@ -69,6 +71,7 @@ class Coupling:
     share: float
     created: float = 0.0
     exchanged: float = 0.0
+    age: int = 0
     history: list[tuple[float, float]] = field(default_factory=list)
     _last: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
@@ -126,12 +129,13 @@ class Audit:
             return
         for coupling in self.couplings:
             coupling.add(system, time)
+            coupling.age += coupling.exchanged > 0.0
             coupling.history.append((coupling.created, coupling.exchanged))
         self._count += 1
         if self._count % CHECKED == 0:
             for coupling in self.couplings:
                 del coupling.history[: -SPANS[-1] - 1]
-                if span := _fed(coupling.history):
+                if span := _fed(coupling.history, coupling.age):
                     raise Divergence(
                         f"{coupling.name} creates energy: what it exchanges has grown steadily for"
                         f" {span} steps, t = {time:.6g} s, and {coupling.created:.3g} J of it came"
@@ -140,19 +144,21 @@ class Audit:
                     )
 
 
-def _fed(history: list[tuple[float, float]]) -> int:
+def _fed(history: list[tuple[float, float]], age: int) -> int:
     """Steps over which exchange has grown a hundredfold, evenly, on created energy; else 0.
 
     Four quarters whose logarithms grow alike, and most of all that was ever exchanged in
-    them, tell an exponential from a start from rest or a swing through zero; a
-    growth that the units themselves feed (flutter, pull-in) is not the coupling's.
+    them, tell an exponential from a swing through zero; growing by more than the `POWER` of the
+    steps since the exchange began (`age`) tells it from a start from rest, over brief spans.
+    A growth that the units themselves feed (flutter, pull-in) is not the coupling's.
     """
     for span in SPANS:
         if len(history) <= span:
             break
         quarter = span // 4
         first = history[-1 - span + quarter][1] - history[-1 - span][1]
-        if history[-1][1] - history[-1 - quarter][1] < RISE * first:
+        since = (age - 0.125 * span) / max(age - 0.875 * span, 1.0) if span < BRIEF else 1.0
+        if history[-1][1] - history[-1 - quarter][1] < max(RISE, since**POWER) * first:
             continue
         marks = [history[-1 - span + k * quarter] for k in range(5)]
         parts = [b[1] - a[1] for a, b in pairwise(marks)]

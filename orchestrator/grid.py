@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import ceil, isclose, isfinite
 
 from .interface import Interface
-from .scenario import PerCycle, Scenario
+from .scenario import AUTO, PerCycle, Scenario
 from .units import UnitError, si_value
 
 MOST_STEPS = 1_000_000_000
@@ -70,6 +70,8 @@ def grid_of(scenario: Scenario, frequency: float | None, problems: list[str]) ->
         if frequency is None:
             problems.append("time.step: per_cycle needs a frequency; give time.frequency")
         step = 1.0 / frequency / time.step.per_cycle if frequency else 1.0
+    elif time.step == AUTO:
+        step = trial_step(start, stop, frequency)
     else:
         step = seconds("time.step", time.step, frequency, problems)
     if len(problems) > before:
@@ -90,6 +92,11 @@ def grid_of(scenario: Scenario, frequency: float | None, problems: list[str]) ->
     whole = round(span / step)
     count = whole if isclose(whole * step, span, rel_tol=1e-9) else ceil(span / step)
     return Grid(start, stop, step, max(1, count))
+
+
+def trial_step(start: float, stop: float, frequency: float | None) -> float:
+    """Where the search for a step begins [s]: a tenth of a cycle, or of the run without one."""
+    return min(stop - start, 1.0 / frequency if frequency else stop - start) / 10.0
 
 
 def seconds(where: str, value: float | str, frequency: float | None, problems: list[str]) -> float:

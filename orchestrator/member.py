@@ -17,8 +17,9 @@ class Member:
 
     `buffer` holds all inputs that the unit is given: first the wired ones (`inputs`, from the
     places `sources` of the system's values), then the held ones (`held`: name to place).
-    `plain` are those wired inputs that arrive as bare real numbers, without a law. `direct`
-    says that some output in use follows an input without a step between.
+    `arriving` are the connections behind the wired ones. `plain` are those wired inputs that
+    arrive as bare real numbers, without a law. `direct` says that some output in use follows
+    an input without a step between.
     """
 
     def __init__(
@@ -27,6 +28,7 @@ class Member:
     ) -> None:  # fmt: skip
         self.unit = unit
         self.sources = sources
+        self.arriving = arriving
         self.stretch = stretch
         count = len(arriving)
         self.buffer = np.zeros(count + len(held))

@@ -17,7 +17,7 @@ from .faults import Fault, faults_of
 from .grid import Grid, frequency_of, grid_of, seconds
 from .interface import Interface, Variable, read_interface
 from .order import order_of
-from .scenario import Scenario, is_file
+from .scenario import AUTO, Scenario, is_file
 from .starts import Action, actions_of, starts_of
 from .unit.base import Limits
 from .units import UnitError, si_value
@@ -30,7 +30,8 @@ LIBRARY = Path("build") / "fmus"
 class Plan:
     """A checked scene: what to load, how it is wired, when it communicates, what is kept.
 
-    `limits` holds for isolated units; `keep_from` is the time [s] from which rows are kept.
+    `limits` holds for isolated units; `keep_from` is the time [s] from which rows are kept;
+    `advice` says why the step is what it is, where the scene left it open.
     """
 
     scenario: Scenario
@@ -47,6 +48,15 @@ class Plan:
     faults: list[Fault] = field(default_factory=list)
     limits: dict[str, Limits] = field(default_factory=dict)
     keep_from: float = -inf
+    advice: str = ""
+
+    @property
+    def leading(self) -> list[str]:
+        """Recorded variables whose errors count: the motion, else what is wired, else all."""
+        names = [f"{name}.{variable.name}" for name, variable in self.records]
+        moving = [n for n in names if n.rpartition(".")[2] in {"displacement", "flap_angle"}]
+        wired = {f"{c.source}.{c.output.name}" for c in self.connections if not c.output.order}
+        return moving or [name for name in names if name in wired] or names
 
     @property
     def fixed_step(self) -> list[str]:
@@ -75,6 +85,9 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     actions = actions_of(scenario, interfaces, held, frequency, problems)
     faults = faults_of(scenario, interfaces, frequency, problems)
     limits = _limits(scenario, problems)
+    if scenario.master.kind == AUTO:
+        chosen = scenario.master.model_copy(update={"kind": usual(connections)})
+        scenario = scenario.model_copy(update={"master": chosen})
     keep_from = _keep_from(scenario, grid, frequency, problems)
     if problems or grid is None:
         raise SceneError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
@@ -85,6 +98,19 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     if problems := list(_uneven(plan)):
         raise SceneError(f"{path}: {problem}" for problem in problems)
     return plan
+
+
+def usual(connections: list[Connection]) -> str:
+    """The master for a scene that names none.
+
+    Where two units feed each other nothing but bare numbers, holding them is of first order and
+    feeds the motion: extrapolated. With laws, or without feedback, Gauss-Seidel is of second
+    order at least cost. See docs/coupling.md.
+    """
+    pairs = {(c.source, c.target) for c in connections}
+    lawful = {frozenset((c.source, c.target)) for c in connections if c.input.order}
+    mutual = {frozenset(pair) for pair in pairs if pair[::-1] in pairs}
+    return "extrapolated" if mutual - lawful else "gauss-seidel"
 
 
 def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:

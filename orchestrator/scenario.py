@@ -25,6 +25,7 @@ Quantity = Number | Annotated[str, Field(strict=True, min_length=1, max_length=2
 Text = Annotated[str, Field(strict=True, max_length=2000)]
 Flag = Annotated[bool, Field(strict=True)]
 LARGEST_FILE = 1 << 20
+AUTO = "auto"
 DEEPEST_EXTENDS = 10
 LISTS = ("wires", "variables", "actions", "faults")
 """Lists to which a scene adds what its base has."""
@@ -43,7 +44,10 @@ class PerCycle(_Table):
 
 
 class Time(_Table):
-    """Time span and communication step; `frequency` defines the cycle where it is needed."""
+    """Time span and communication step; `frequency` defines the cycle where it is needed.
+
+    With `step = "auto"` a trial run finds the coarsest step that is stable and accurate.
+    """
 
     start: Quantity = 0.0
     stop: Quantity = "50 cycles"
@@ -101,12 +105,14 @@ class Wire(_Table):
 class Master(_Table):
     """The method that steps the units; `laws` says how much of each port is connected.
 
+    The `kind` follows from the wires where it is "auto": see :func:`orchestrator.plan.usual`.
+
     The rest is for some methods only: `degree` of the polynomial that carries plain numbers
     over a step, `acceleration` of iterations with its `relaxation`, when they count as
     `settled` (relative) and how many `passes` they get.
     """
 
-    kind: Text = "gauss-seidel"
+    kind: Text = "auto"
     laws: Literal["held", "affine", "curvature"] = "curvature"
     order: list[Text] = []
     degree: Annotated[int, Field(strict=True, ge=1, le=3)] = 1

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -13,65 +12,20 @@ import numpy as np
 
 from .adaptive import adaptive
 from .audit import Audit
-from .errors import OutputError, ResilinError, SceneError, SimulationError
+from .errors import OutputError, ResilinError, SimulationError
 from .estimate import estimate as estimate_of
 from .estimate import halved
 from .interrupt import Interrupt, Interrupted
 from .masters import Master, master
 from .observers import Guard, Observer, Progress, Recorder
-from .plan import LIBRARY, Plan, check
+from .plan import Plan
 from .results import Outcome, whole
-from .scenario import Master as Settings
-from .scenario import Scenario, load_scenario
 from .segments import Segments
 from .system import System
 from .walk import Walk
 
 MOST_HELD = 1 << 25
 """Numbers of a run that an estimate holds in memory at most: 256 MB, and as much again."""
-
-
-def load(
-    scene: str | Path,
-    changes: dict[str, str] | None = None,
-    library: Path = LIBRARY,
-    **options: Any,
-) -> Plan:
-    """Checked plan of a scene, by name or path, with `component.parameter` values changed.
-
-    `options` override single keys of a scene's tables, as `time={"tolerance": 1e-3}`.
-    Raises `SceneError` with every problem.
-    """
-    return planned(*load_scenario(scene, changes, **options), library)
-
-
-def planned(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
-    """Checked plan of a scenario that stands in a file at `path`, its master able to step it."""
-    plan = check(scenario, path, library)
-    if problems := _unsuited(plan):
-        raise SceneError(f"{path}: {problem}" for problem in problems)
-    return plan
-
-
-def _unsuited(plan: Plan) -> list[str]:
-    """What the chosen master cannot do with these units, or does not know."""
-    settings = plan.scenario.master
-    try:
-        method = master(settings.kind)
-    except SceneError as error:
-        return error.problems
-    problems = []
-    unable = [name for name, interface in plan.interfaces.items() if not interface.rollback]
-    if method.needs_rollback and unable:
-        problems.append(
-            f"master.kind: {settings.kind} needs rollback, which {', '.join(unable)} cannot do;"
-            " gauss-seidel and extrapolated work without it"
-        )
-    every = {key for key in Settings.model_fields if key not in {"kind", "laws", "order"}}
-    for key in sorted(settings.model_fields_set & every - set(method.options)):
-        known = ", ".join(method.options) or "no further key"
-        problems.append(f"master.{key}: means nothing to {settings.kind}, which takes {known}")
-    return problems
 
 
 def run(

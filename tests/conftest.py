@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 import build_fmus
+from orchestrator.loading import load
 from orchestrator.results import Outcome
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 

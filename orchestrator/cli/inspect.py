@@ -40,7 +40,7 @@ def inspect(
 
     Example: resilin inspect flapping-full-wings --diagram vehicle.svg
     """
-    from ..simulation import load
+    from ..loading import load
 
     with common.reported():
         options = common.overrides(laws, kind)
@@ -69,15 +69,16 @@ def inspect(
 
 def _stability(plan: Plan) -> str:
     """What the linear step map says of the scene's master and step, the wire named."""
-    from ..studies.stepmap import MAPPED, SLACK, step_map
+    from ..linear.stepmap import MAPPED, SLACK, quiet, step_map
 
     kind = plan.scenario.master.kind
     if kind not in MAPPED:
         return f"no prediction for {kind}: its step has no linear map"
-    mapped = step_map(plan)
+    mapped = step_map(quiet(plan))
     radius = mapped.radius(kind)
     if radius <= 1.0 + SLACK:
-        return f"{kind} at {plan.grid.step:.4g} s is stable: spectral radius {radius:.4f}"
+        at = f"{kind} at {plan.grid.step:.4g} s, drive off,"
+        return f"{at} is stable: spectral radius {radius:.4f}"
     return (
         f"warning: {mapped.culprit(kind)} is unstable with {kind} at {plan.grid.step:.4g} s:"
         f" it grows by {radius:.4f} each step; lower the step, connect whole ports, or use"

@@ -10,7 +10,8 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
-    from ..studies.linear import Linear
+    from ..linear.model import Linear
+    from ..plan import Plan
 
 
 def add_to(app: typer.Typer) -> None:
@@ -37,6 +38,11 @@ def linearise(
     bode: Annotated[
         Path | None, typer.Option(help="Draw the frequency response into this file.")
     ] = None,
+    swept: Annotated[
+        Path | None,
+        typer.Option("--beside", help="Draw a sweep over frequency beside it, as points."),
+    ] = None,
+    drive: Annotated[str, typer.Option(help="Amplitude of what drove that sweep, as 960 V.")] = "1",
     fmus: common.Library = common.BUILT,
     json: common.Json = False,
 ) -> None:
@@ -45,9 +51,9 @@ def linearise(
     Example: resilin linearise oscillator-1 --set amplifier.waveform=external
     --hold amplifier.command.top="1 kV" --bode bode.svg
     """
-    from ..simulation import load
-    from ..studies.linear import linearise as linearised
-    from ..studies.stepmap import MAPPED, step_map
+    from ..linear.model import linearise as linearised
+    from ..linear.stepmap import MAPPED, step_map
+    from ..loading import load
 
     with common.reported():
         options: dict[str, Any] = common.overrides(laws, kind, step=step)
@@ -57,9 +63,10 @@ def linearise(
         mapped = step_map(plan)
         radii = {name: mapped.radius(name) for name in MAPPED}
         if bode is not None:
-            from ..studies.bode import draw
+            from ..studies.bode import beside, draw
 
-            draw(found, bode, plan.frequency)
+            points = beside(swept, _amplitude(plan, found, drive)) if swept else None
+            draw(found, bode, plan.frequency, points)
     if json:
         poles = found.eigenvalues()
         common.print_json(
@@ -71,6 +78,21 @@ def linearise(
         )
         return
     _report(found, radii)
+
+
+def _amplitude(plan: Plan, found: Linear, text: str) -> float:
+    """A drive's amplitude in the unit of the first input."""
+    from ..errors import InputError
+    from ..units import UnitError, si_value
+
+    component, _, name = found.inputs[0].partition(".")
+    try:
+        value = si_value(text, plan.interfaces[component].variables[name].unit or "1")
+    except UnitError as error:
+        raise InputError(f"--drive: {error}") from None
+    if not value > 0.0:
+        raise InputError(f"--drive {text!r}: has to be above zero")
+    return value
 
 
 def _report(found: Linear, radii: dict[str, float]) -> None:

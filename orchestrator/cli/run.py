@@ -50,8 +50,8 @@ def run(
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz" --estimate
     """
     from ..interrupt import Interrupt
+    from ..loading import load
     from ..results import clear, partial_path, prepare, segments_for, write
-    from ..simulation import load
     from ..simulation import run as run_plan
 
     target = output or Path("results") / f"{Path(scene).stem}.nc"
@@ -131,6 +131,7 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
     estimates = outcome.estimates or {}
     return {
         "title": outcome.plan.scenario.title,
+        "advice": outcome.plan.advice,
         "result": str(written),
         "picture": str(drawn) if drawn else None,
         "metrics": {m.name: {"value": m.value, "unit": m.unit} for m in found},
@@ -173,6 +174,8 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         f" {outcome.wall_time:.2f} s, {speed:.1f} times real time",
         highlight=False,
     )
+    if outcome.plan.advice:
+        console.print(f"auto: {outcome.plan.advice}", highlight=False)
     if outcome.estimates is not None:
         console.print(errors(outcome))
     if verbose:

@@ -2,20 +2,61 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..errors import OutputError, printable
-from .linear import Linear
+from ..errors import InputError, OutputError, printable
+from ..linear.model import Linear
 
 MOST = 8
 
 
-def draw(system: Linear, path: Path, frequency: float | None = None) -> Path:
+METRICS = {"displacement": "travel", "flap_angle": "flapping_stroke"}
+"""Metric of a sweep that is twice the amplitude of an output."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A sweep of the nonlinear scene over frequency: half its travels and strokes by `drive`.
+
+    `drive` is the amplitude of what drove it, in the unit of the linear input.
+    """
+
+    frequencies: NDArray[np.float64]
+    amplitudes: dict[str, NDArray[np.float64]]
+    lags: NDArray[np.float64] | None
+    name: str
+
+
+def beside(path: Path, drive: float) -> Beside:
+    """Read a sweep that `resilin sweep` has written over one parameter called frequency."""
+    import xarray
+
+    try:
+        with xarray.open_dataset(path) as data:
+            axes = [str(c) for c in data.coords if str(c).rpartition(".")[2] == "frequency"]
+            if len(axes) != 1:
+                raise InputError(f"{path}: is no sweep over one frequency")
+            found = {
+                output: 0.5 * np.asarray(data[metric], float) / drive
+                for output, metric in METRICS.items()
+                if metric in data
+            }
+            lags = np.asarray(data["phase"], float) if "phase" in data else None
+            return Beside(np.asarray(data[axes[0]], float), found, lags, path.name)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read as a sweep ({error})") from None
+
+
+def draw(
+    system: Linear, path: Path, frequency: float | None = None, swept: Beside | None = None
+) -> Path:
     """Magnitude and phase from every input to the first outputs, two decades up to Nyquist.
 
-    `frequency` [Hz], where a scene has one, is marked.
+    `frequency` [Hz], where a scene has one, is marked; `swept` is drawn as points.
     """
     import matplotlib
 
@@ -35,6 +76,13 @@ def draw(system: Linear, path: Path, frequency: float | None = None) -> Path:
             label = printable(f"{source} to {name}").replace("$", r"\$")
             axes[0].loglog(frequencies, np.abs(curve), label=label)
             axes[1].semilogx(frequencies, np.degrees(np.unwrap(np.angle(curve))))
+    if swept is not None:
+        for name in system.outputs[:MOST]:
+            if (found := swept.amplitudes.get(name.rpartition(".")[2])) is not None:
+                label = printable(f"{name}, {swept.name}").replace("$", r"\$")
+                axes[0].loglog(swept.frequencies, found, "o", ms=3, label=label)
+        if swept.lags is not None:
+            axes[1].semilogx(swept.frequencies, -np.degrees(swept.lags), "o", ms=3)
     axes[0].set_ylabel("magnitude (SI)")
     axes[1].set(ylabel="phase (deg)", xlabel="frequency (Hz)")
     for axis in axes:

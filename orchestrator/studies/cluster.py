@@ -37,7 +37,7 @@ SETTINGS: dict[str, Any] = {
 }
 """A task that loses its worker comes back at once; a worker that is busy or large is let be."""
 
-PRELOADED = ["orchestrator.simulation", "orchestrator.metrics", "xarray"]
+PRELOADED = ["orchestrator.loading", "orchestrator.simulation", "orchestrator.metrics", "xarray"]
 """What a worker imports before it reports for work, so that no point waits for it."""
 
 LOGGERS = ("distributed", "distributed.client", "tornado.application")
@@ -79,7 +79,7 @@ def local(count: int) -> Iterator[Client]:
                 f"no worker processes can be started: {error} A script that sweeps is a file, and"
                 " does so below `if __name__ == '__main__':`"
             ) from None
-        stack.callback(cluster.close)
+        stack.callback(_close, cluster)
         client = stack.enter_context(distributed.Client(cluster, set_as_default=False))
         stack.callback(_end_all, client)
         yield client
@@ -133,6 +133,12 @@ def end(client: Client, address: str) -> None:
     """Kill a worker process by way of its nanny, which starts another; without one, nothing."""
     with contextlib.suppress(Exception):
         client.run(_kill, nanny=True, workers=[address])
+
+
+def _close(cluster: Any) -> None:
+    """Close a cluster whose workers are killed; how long they take to go is nobody's concern."""
+    with contextlib.suppress(OSError, TimeoutError, RuntimeError):
+        cluster.close()
 
 
 def _end_all(client: Client) -> None:

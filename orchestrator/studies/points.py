@@ -114,7 +114,7 @@ def point_at(
 
 
 def _plan(setting: Setting, values: Mapping[str, str]) -> Plan:
-    from ..simulation import load
+    from ..loading import load
 
     library = Path(setting.library)
     return load(setting.scene, {**setting.changes, **values}, library, **setting.options)

@@ -11,8 +11,9 @@ import numpy as np
 
 from ..errors import ResilinError
 from ..interrupt import Interrupt, Interrupted
+from ..loading import load
 from ..plan import LIBRARY, Plan
-from ..simulation import load, run
+from ..simulation import run
 from .method import Method, methods_for, own, with_step
 from .yardstick import Reference, Yardstick, leading, yardstick
 

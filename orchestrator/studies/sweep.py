@@ -48,7 +48,7 @@ def sweep(
 ) -> xarray.Dataset:
     """Run a scene at every point of the axes' product; its metrics over dimension `point`.
 
-    `changes` and `options` hold for all points, as for :func:`orchestrator.simulation.load`.
+    `changes` and `options` hold for all points, as for :func:`orchestrator.loading.load`.
     Points run on `workers` processes here, as many as processors by default, or on those of a
     dask `scheduler`. A run that stops, kills its worker twice or takes longer than `patience`
     seconds is `failed`, with its reason; it costs no other point. With `refine`, the name of a

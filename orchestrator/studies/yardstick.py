@@ -123,13 +123,11 @@ def _whole(outcome: Outcome) -> Outcome:
 
 
 def leading(plan: Plan, exact: Outcome, variables: Iterable[str] | None = None) -> list[str]:
-    """Variables whose errors count: those named, else the motion, else all wired ones."""
+    """Variables whose errors count: those named, else those that lead in the scene."""
     if variables:
         for name in variables:
             if name not in exact.names:
                 hint = nearest(name, exact.names)
                 raise InputError(f"--variable {name!r}: is not recorded; {hint}")
         return list(variables)
-    moving = [n for n in exact.names if n.rpartition(".")[2] in {"displacement", "flap_angle"}]
-    wired = {f"{c.source}.{c.output.name}" for c in plan.connections if not c.output.order}
-    return moving or [n for n in exact.names if n in wired] or list(exact.names)
+    return plan.leading

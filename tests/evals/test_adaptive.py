@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.loading import load
 from orchestrator.reference import as_recorded, monolithic
-from orchestrator.simulation import load, replay, run
+from orchestrator.simulation import replay, run
 
 SCENES = {
     "oscillator-1": "payload.displacement",

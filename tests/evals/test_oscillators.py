@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.loading import load
 from orchestrator.metrics import metrics
 from orchestrator.results import dataset
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 from tests.conftest import Runner
 
 PREDICTED = (51.8, 35.7, 25.2, 28.8, 50.5)

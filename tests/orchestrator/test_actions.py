@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import SceneError
+from orchestrator.loading import load
 from orchestrator.masters import MASTERS
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 from tests.foreign.build import foreign
 
 MASS = """

@@ -135,7 +135,8 @@ def test_schema_accepts_every_shipped_scene() -> None:
 
 
 def test_warnings_are_shown(library: Path, tmp_path: Path) -> None:
-    options = ["--fmus", str(library), "--no-picture", "--laws", "held", "--verbose"]
+    options = ["--fmus", str(library), "--no-picture", "--verbose"]
+    options += ["--laws", "held", "--master", "gauss-seidel"]
     target = ["--output", str(tmp_path / "a.nc")]
     done = runner.invoke(app, ["run", "oscillator-1", *options, *target, "--stop", "10 cycles"])
     assert done.exit_code == 0, done.output
@@ -143,7 +144,10 @@ def test_warnings_are_shown(library: Path, tmp_path: Path) -> None:
     assert "rollbacks" in done.output
 
 
-@pytest.mark.parametrize("command", ["run", "sweep", "inspect", "plot", "recover", "schema"])
+@pytest.mark.parametrize(
+    "command",
+    ["run", "sweep", "precision", "stability", "linearise", "inspect", "plot", "recover", "schema"],
+)
 def test_every_command_shows_an_example(command: str) -> None:
     done = runner.invoke(app, [command, "--help"])
     assert done.exit_code == 0

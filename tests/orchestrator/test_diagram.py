@@ -11,9 +11,9 @@ from lxml import etree
 
 from orchestrator.diagram import Sheet, Text, draw, layout
 from orchestrator.errors import OutputError
+from orchestrator.loading import load
 from orchestrator.plan import Plan
 from orchestrator.scenario import scene_names
-from orchestrator.simulation import load
 from orchestrator.wiring import Connection
 
 STRANGE = "$x_ <script>alert('&')</script> $y^"

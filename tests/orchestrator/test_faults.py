@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import Divergence, SceneError, UnitFailure
+from orchestrator.loading import load
 from orchestrator.masters import MASTERS
 from orchestrator.results import Outcome
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 
 
 def faulty(library: Path, folder: Path, fault: str, kind: str = "gauss-seidel") -> Outcome:

@@ -27,8 +27,9 @@ from orchestrator import cli
 from orchestrator.archive import extract
 from orchestrator.errors import FmuError, InitialisationError, SceneError, SimulationError
 from orchestrator.interface import read_interface
+from orchestrator.loading import load
 from orchestrator.results import Outcome
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 from orchestrator.system import System
 from orchestrator.unit import Limits, Unit, open_unit
 from orchestrator.unit.base import MOST_MESSAGES

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import SceneError, SimulationError
+from orchestrator.loading import load
 from orchestrator.masters import MASTERS
 from orchestrator.reference import as_recorded, monolithic
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 from tests.conftest import Runner
 
 KINDS = sorted(MASTERS)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.loading import load
 from orchestrator.order import reachable
-from orchestrator.simulation import load
 from tests.foreign.build import foreign
 
 CHAIN = """

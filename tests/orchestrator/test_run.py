@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import Divergence, InitialisationError, SimulationError
+from orchestrator.loading import load
 from orchestrator.scenario import scene_names
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 from tests.conftest import Runner
 
 RAMP = """
@@ -127,7 +128,7 @@ def test_what_a_scene_does_not_need_is_not_loaded(library: Path, scene: str, abs
     code = (
         "import sys\n"
         "from pathlib import Path\n"
-        "from orchestrator.simulation import load, run\n"
+        "from orchestrator import load, run\n"
         "run(load(sys.argv[1], None, Path(sys.argv[2]), time={'stop': '1 cycles'}))\n"
         "print([m for m in sys.modules if m.startswith(sys.argv[3] + '_')])\n"
         "print([m for m in ('xarray', 'matplotlib', 'control') if m in sys.modules], flush=True)\n"

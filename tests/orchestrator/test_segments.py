@@ -14,10 +14,11 @@ import pytest
 import xarray
 
 from orchestrator.errors import InputError, OutputError
+from orchestrator.loading import load
 from orchestrator.observers import Recorder
 from orchestrator.results import folder_of, partial_path, recover, segments_for, write
 from orchestrator.segments import found
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 
 SPAN = {"stop": "30 cycles"}
 
@@ -85,7 +86,8 @@ def test_a_killed_run_can_be_recovered(library: Path, tmp_path: Path) -> None:
     code = f"""
 from orchestrator.observers import Recorder
 from orchestrator.results import segments_for
-from orchestrator.simulation import load, run
+from orchestrator.loading import load
+from orchestrator.simulation import run
 from pathlib import Path
 Recorder.SEGMENT = 1
 plan = load("oscillator-1", None, Path({str(library)!r}), time={{"stop": "100000 cycles"}})

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from orchestrator.errors import SceneError
+from orchestrator.loading import load
 from orchestrator.plan import Plan
 from orchestrator.scenario import scene_names
-from orchestrator.simulation import load
 
 
 @pytest.mark.parametrize("name", scene_names())

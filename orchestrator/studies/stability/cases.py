@@ -10,9 +10,9 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from ...errors import SceneError, nearest
+from ...loading import planned
 from ...plan import LIBRARY, Plan
 from ...scenario import Quantity, Text, scenario_of
-from ...simulation import planned
 from ..yardstick import Reference
 
 LADDER = (4, 8, 16, 32, 64, 128, 256, 512, 1024)

@@ -40,7 +40,8 @@ def test_orders_against_itself(numbers: Study) -> None:
 
 
 def test_errors_are_those_of_the_closed_form(numbers: Study, library: Path, tmp_path: Path) -> None:
-    from orchestrator.simulation import load, run
+    from orchestrator.loading import load
+    from orchestrator.simulation import run
 
     rung = next(r for r in numbers.rungs if r.step == 1e-2 and r.method.kind == "extrapolated")
     path = scenes(tmp_path) / "numbers.toml"

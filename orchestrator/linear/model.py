@@ -63,8 +63,8 @@ class Linear:
 
         return control.ss(
             self.a, self.b, self.c, self.d, self.step,
-            inputs=[_plain(name) for name in self.inputs],
-            outputs=[_plain(name) for name in self.outputs],
+            inputs=[plain(name) for name in self.inputs],
+            outputs=[plain(name) for name in self.outputs],
         )  # fmt: skip
 
     def response(self, frequencies: Values) -> NDArray[np.complex128]:
@@ -78,7 +78,7 @@ class Linear:
         return np.moveaxis(np.asarray(found), 0, -1)
 
 
-def _plain(name: str) -> str:
+def plain(name: str) -> str:
     """A signal's name as python-control takes it, without dots."""
     return name.replace(".", "_")
 

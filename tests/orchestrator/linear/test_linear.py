@@ -13,10 +13,11 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.errors import InputError
+from orchestrator.linear.model import linearise, realise
+from orchestrator.linear.stepmap import MAPPED, limit, step_map
+from orchestrator.loading import load
 from orchestrator.plan import Plan
-from orchestrator.simulation import load, run
-from orchestrator.studies.linear import linearise, realise
-from orchestrator.studies.stepmap import MAPPED, limit, step_map
+from orchestrator.simulation import run
 from tests.evals.two_masses import scenes
 from tests.foreign.build import foreign
 
@@ -91,12 +92,14 @@ def test_the_map_grows_as_the_run_does(library: Path, laws: str, step: float) ->
     """Spectral radius against the envelope of a run that starts off its rest."""
     time = {"stop": 600 * step, "step": step}
     pushed = {"payload.start_velocity": "0.01"}
-    done = run(still(library, changes=pushed, time=time, master={"laws": laws}))
+    done = run(
+        still(library, changes=pushed, time=time, master={"kind": "gauss-seidel", "laws": laws})
+    )
     speed = np.abs(done.series("payload.velocity"))
     n = len(speed)
     early, late = speed[n // 8 : n // 4].max(), speed[n // 4 : 3 * n // 8].max()
     growth = (late / early) ** (8.0 / n)
-    plan = still(library, time={"step": 1e-4}, master={"laws": laws})
+    plan = still(library, time={"step": 1e-4}, master={"kind": "gauss-seidel", "laws": laws})
     assert step_map(plan, step).radius("gauss-seidel") == pytest.approx(growth, abs=3e-3)
 
 
@@ -214,6 +217,22 @@ def test_our_electrode_has_no_limit(
             assert step_map(plan, step).radius(kind) <= 1.0 + 1e-6
 
 
+@pytest.mark.parametrize("laws", ["held", "curvature"])
+def test_units_joined_in_python_control(library: Path, laws: str) -> None:
+    """Its interconnection of our units by the scene's wires has the poles of our Jacobi map."""
+    mapped = step_map(still(library, master={"laws": laws}))
+    joined = mapped.interconnected()
+    assert joined.dt == mapped.step
+    ours = np.linalg.eigvals(mapped.matrix("jacobi"))
+    for pole in joined.poles():
+        if abs(pole) > 1e-3:
+            assert np.abs(ours - pole).min() < 1e-6
+    assert max(abs(joined.poles())) == pytest.approx(mapped.radius("jacobi"), rel=1e-9)
+    payload = next(m for m in mapped.models if m.name == "payload").state_space(mapped.step)
+    assert "payload_motion_displacement" in payload.output_labels
+    assert "payload_force_value" in payload.input_labels
+
+
 def test_an_unstable_wire_is_named(library: Path, tmp_path: Path) -> None:
     path = scenes(tmp_path) / "numbers.toml"
     changes = {f"{m}.damping": "0.2" for m in ("first", "second")}
@@ -244,5 +263,17 @@ def test_the_commands(library: Path, tmp_path: Path) -> None:
     assert "51.6" in done.output
     assert "stable" in done.output
     assert (tmp_path / "b.svg").is_file()
+    swept = tmp_path / "s.nc"
+    over = ["--over", "amplifier.frequency=40:60:10Hz", "--workers", "1", "--stop", "8 cycles"]
+    many = ["sweep", "oscillator-1", "--fmus", str(library), *over, "--output", str(swept)]
+    assert runner.invoke(app, many).exit_code == 0
+    beside = ["--beside", str(swept), "--drive", "0.96 kV"]
+    again = runner.invoke(app, ["linearise", "oscillator-1", *options, *held, *named, *beside])
+    assert again.exit_code == 0, again.output
+    assert "s.nc" in (tmp_path / "b.svg").read_text()
+    wrong = [*held, *named, "--beside", str(swept), "--drive", "1 N"]
+    refused = runner.invoke(app, ["linearise", "oscillator-1", *options, *wrong])
+    assert refused.exit_code == 2
+    assert "--drive" in refused.output
     shown = runner.invoke(app, ["inspect", "oscillator-1", *options, "--stability"])
     assert "is stable: spectral radius" in shown.output

@@ -8,6 +8,7 @@ this step, before anything is run.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,10 @@ from ..member import Member
 from ..plan import Plan
 from ..system import Moment, System
 from ..walk import Walk
-from .linear import NUDGE, realise, rest
+from .model import NUDGE, plain, realise, rest
+
+if TYPE_CHECKING:
+    import control
 
 Values = NDArray[np.float64]
 COUNT = 24
@@ -43,6 +47,8 @@ class UnitModel:
     """
 
     name: str
+    inputs: list[str]
+    outputs: list[str]
     a: Values
     b: Values
     c: Values
@@ -50,6 +56,16 @@ class UnitModel:
     e: Values
     wires: Values
     rows: NDArray[np.intp]
+
+    def state_space(self, step: float) -> control.StateSpace:
+        """The unit for python-control, sampled at a step [s], signals as `unit.variable`."""
+        import control
+
+        return control.ss(
+            self.a, self.b, self.c, self.d, step, name=self.name,
+            inputs=[plain(f"{self.name}.{name}") for name in self.inputs],
+            outputs=[plain(name) for name in self.outputs],
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -94,6 +110,38 @@ class StepMap:
         left: Values = model.wires * kept[None, :]
         return left
 
+    def interconnected(self) -> control.StateSpace:
+        """The units joined by the scene's wires in python-control; no input is left open.
+
+        Every unit takes what the others put out at the same communication point, as under
+        Jacobi: its poles are those of :meth:`matrix` with "jacobi".
+        """
+        import control
+
+        units = [model.state_space(self.step) for model in self.models if model.outputs]
+        wires = [
+            [plain(f"{m.name}.{name}"), *((plain(self.outputs[k]), float(row[k])) for k in used)]
+            for m in self.models
+            if m.outputs
+            for name, row in zip(m.inputs, m.wires, strict=True)
+            for used in [np.flatnonzero(row)]
+        ]
+        summed = [
+            control.summing_junction(
+                [f"{source}_to_{target}" for source, _ in sources], target, name=f"into_{target}"
+            )
+            for target, *sources in wires
+        ]
+        gains = [
+            control.ss([], [], [], [[gain]], self.step, inputs=[source],
+                       outputs=[f"{source}_to_{target}"], name=f"{source}_to_{target}")
+            for target, *sources in wires
+            for source, gain in sources
+        ]  # fmt: skip
+        return control.interconnect(
+            [*units, *gains, *summed], inputs=[], outputs=[plain(name) for name in self.outputs]
+        )
+
     def radius(self, kind: str, cut: str | None = None) -> float:
         """Largest magnitude of the map's eigenvalues: above one the coupling is unstable."""
         return float(np.abs(np.linalg.eigvals(self.matrix(kind, cut))).max(initial=0.0))
@@ -134,6 +182,16 @@ def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> St
     return StepMap(plan, size, models, names, followers)
 
 
+def quiet(plan: Plan) -> Plan:
+    """The same scene with its drive off: `amplitude` zero wherever a unit has a `frequency`."""
+    starts = {name: dict(values) for name, values in plan.starts.items()}
+    for name, known in plan.interfaces.items():
+        parameters = {v.name for v in known.of("parameter")}
+        if {"amplitude", "frequency"} <= parameters:
+            starts[name]["amplitude"] = 0.0
+    return replace(plan, starts=starts, actions=[], faults=[])
+
+
 def _unit(
     system: System, moment: Moment, index: int, time: float, size: float,
     shown: list[int], largest: Values, count: int,
@@ -163,6 +221,8 @@ def _unit(
     return UnitModel(
         *(
             member.unit.name,
+            [member.arriving[k].input.name for k in free],
+            [system.names[k] for k in own],
             a,
             b / by,
             c,
@@ -262,8 +322,7 @@ def limit(plan: Plan, kind: str, low: float, high: float, *, within: float = 1e-
 
     `low` has to be stable and `high` unstable; `InputError` says which is not.
     """
-    quiet = replace(plan)
-    ends = [step_map(quiet, step).radius(kind) for step in (low, high)]
+    ends = [step_map(plan, step).radius(kind) for step in (low, high)]
     if ends[0] > 1.0 + SLACK or ends[1] <= 1.0 + SLACK:
         raise InputError(
             f"no limit of {kind} between {low:g} and {high:g} s: spectral radius {ends[0]:.4f}"
@@ -271,7 +330,7 @@ def limit(plan: Plan, kind: str, low: float, high: float, *, within: float = 1e-
         )
     while high - low > within * low:
         middle = 0.5 * (low + high)
-        if step_map(quiet, middle).radius(kind) > 1.0 + SLACK:
+        if step_map(plan, middle).radius(kind) > 1.0 + SLACK:
             high = middle
         else:
             low = middle

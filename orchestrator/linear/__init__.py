@@ -1,0 +1,1 @@
+"""Scenes as linear systems about a state, identified through their FMI interfaces."""
