@@ -1,0 +1,115 @@
+"""Figures of a rung and of a curve: error, order, stroke, time to an error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees, exp, isfinite, log, nan
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from .case import Case
+from .reference import Reference
+from .rung import Rung
+
+TARGET = 1e-3
+FINE = 2000
+"""Points per cycle at which a spline through the compared points is searched for peaks."""
+RESOLVED = 0.5
+"""Error above which a rung says nothing of an order."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Time [s] to an error; `sure` if a rung reached it. NaN where the error does not fall."""
+
+    seconds: float
+    sure: bool
+
+    def __str__(self) -> str:
+        if not isfinite(self.seconds):
+            return "not reached"
+        return f"{'' if self.sure else '~ '}{self.seconds:.3g}"
+
+
+def judge(rung: Rung, case: Case, reference: Reference, before: Rung | None) -> None:
+    """Fill in the figures of a rung that is done. What ran to infinity has stopped."""
+    times, rows = thinned(rung.times, np.asarray(rung.rows), case)
+    if not len(rows) or not np.isfinite(rows).all() or np.abs(rows).max() > 1e6:
+        rung.status, rung.reason = "diverged", "values left all bounds"
+        return
+    exact = reference.at(times)
+    rung.error = float(np.max(np.abs(rows - exact).max(axis=0) / np.abs(exact).max(axis=0)))
+    if before is not None and isfinite(before.error) and max(rung.error, before.error) > 0.0:
+        rung.order = slope(before, rung)
+    cycle = case.step * case.per_cycle
+    for k, name in enumerate(w.name for w in case.watched):
+        span, beat = oscillation(times, rows[:, k], cycle)
+        if name == "flap_angle":
+            rung.stroke = degrees(span)
+        else:
+            rung.travel = span
+        rung.frequency = beat
+
+
+def thinned(times: Sequence[float], rows: np.ndarray, case: Case) -> tuple[list[float], np.ndarray]:
+    """Of a tool that chose its own points those nearest to the points of comparison."""
+    wanted = case.count // case.every
+    if len(times) <= wanted:
+        return list(times), rows
+    own = np.asarray(times)
+    points = (np.arange(wanted) + 1) * case.every * case.step
+    right = np.clip(np.searchsorted(own, points), 1, len(own) - 1)
+    left = right - (points - own[right - 1] < own[right] - points)
+    kept = np.unique(left)
+    return [float(t) for t in own[kept]], rows[kept]
+
+
+def oscillation(times: Sequence[float], series: np.ndarray, cycle: float) -> tuple[float, float]:
+    """Peak-to-peak of the last cycle, and the frequency [Hz] by its last two upward crossings."""
+    curve = CubicSpline(times, series)
+    end = times[-1]
+    last = curve(np.linspace(end - cycle, end, FINE + 1))
+    span = float(last.max() - last.min())
+    if end - times[0] < 2.2 * cycle:
+        return span, nan
+    grid = np.linspace(end - 2.2 * cycle, end, int(2.2 * FINE))
+    values = curve(grid) - 0.5 * (last.max() + last.min())
+    up = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
+    if len(up) < 2:
+        return span, nan
+    exact = grid[up] - values[up] * (grid[up + 1] - grid[up]) / (values[up + 1] - values[up])
+    return span, float((len(exact) - 1) / (exact[-1] - exact[0]))
+
+
+def slope(coarse: Rung, fine: Rung) -> float:
+    """Order of the error in the work, counted in calls: in the step, where steps are equal."""
+    if coarse.calls == fine.calls or min(coarse.error, fine.error) <= 0.0:
+        return nan
+    return log(coarse.error / fine.error) / log(fine.calls / coarse.calls)
+
+
+def cost(curve: Sequence[Rung], target: float = TARGET) -> Cost:
+    """Time to an error along a curve, coarse to fine.
+
+    Between two rungs on either side of it log error is linear in log time; beyond the last one the
+    order between the last two goes on, each call at the cost of the last rung's.
+    """
+    done = [r for r in curve if r.status == "done" and isfinite(r.error) and r.wall > 0.0]
+    for k, rung in enumerate(done):
+        if rung.error > target:
+            continue
+        if k == 0 or done[k - 1].error <= rung.error or done[k - 1].wall >= rung.wall:
+            return Cost(rung.wall, True)
+        above = done[k - 1]
+        share = log(above.error / target) / log(above.error / rung.error)
+        return Cost(exp(log(above.wall) + share * log(rung.wall / above.wall)), True)
+    resolved = [r for r in done if r.error < RESOLVED]
+    if len(resolved) < 2:
+        return Cost(nan, False)
+    order = slope(resolved[-2], resolved[-1])
+    if not order > 0.2:
+        return Cost(nan, False)
+    last = resolved[-1]
+    return Cost(last.wall * (last.error / target) ** (1.0 / order), False)

@@ -1,0 +1,96 @@
+"""One setting of one tool, run in a process of its own within a budget, and what came of it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, field
+from math import nan
+from pathlib import Path
+from typing import Any
+
+from .case import Case
+from .child import LONG
+
+LOADING = 40.0
+"""Seconds beside the budget that a process has for loading and repeats."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A tool's method with a wiring at one place of its ladder: steps per cycle, or tolerance."""
+
+    tool: str
+    method: str
+    wiring: str
+    ladder: str
+    place: float
+
+    @property
+    def curve(self) -> tuple[str, str, str]:
+        return self.tool, self.method, self.wiring
+
+    def __str__(self) -> str:
+        what = f"{self.place:g} per cycle" if self.ladder == "steps" else f"rtol {self.place:g}"
+        return f"{self.tool}, {self.method}, {self.wiring}, {what}"
+
+
+@dataclass
+class Rung:
+    """What a setting cost and gave. `status`: done, stopped (the tool said so), crashed,
+    over budget, not installed; `reason` says more. Figures are filled in by `figures`."""
+
+    setting: Setting
+    status: str
+    reason: str = ""
+    version: str = ""
+    wall: float = nan
+    calls: int = 0
+    times: list[float] = field(default_factory=list)
+    rows: list[list[float]] = field(default_factory=list)
+    error: float = nan
+    order: float = nan
+    stroke: float = nan
+    travel: float = nan
+    frequency: float = nan
+
+
+def run(case: Case, setting: Setting, budget: float, repeats: int, python: str = "") -> Rung:
+    """The rung of a setting; a process that dies or takes too long is a result too."""
+    home = Path(__file__).resolve().parent.parent
+    before = os.environ.get("PYTHONPATH", "")
+    path = os.pathsep.join([str(home), *([before] if before else [])])
+    with tempfile.TemporaryDirectory(prefix="peers_") as folder:
+        given, result = Path(folder) / "case.json", Path(folder) / "result.json"
+        case.write(given)
+        command = [python or sys.executable, "-m", "peers.child", str(given), setting.tool]
+        command += [setting.method, str(repeats), str(result)]
+        with (Path(folder) / "said").open("wb+") as said:
+            child = subprocess.Popen(
+                command, stdout=said, stderr=said, start_new_session=True,
+                env={**os.environ, "PYTHONPATH": path, "TMPDIR": folder},
+            )  # fmt: skip
+            try:
+                code = child.wait(max(budget, repeats * LONG) + LOADING)
+            except subprocess.TimeoutExpired:
+                os.killpg(child.pid, signal.SIGKILL)
+                child.wait()
+                return Rung(setting, "over budget", f"killed; the budget is {budget:g} s")
+            if not result.exists():
+                said.seek(0)
+                return Rung(setting, "crashed", _symptom(code, said.read()))
+        found: dict[str, Any] = json.loads(result.read_text(encoding="utf-8"))
+    return Rung(setting, **found)
+
+
+def _symptom(code: int, said: bytes) -> str:
+    """How a process ended that left no result, and its last words."""
+    lines = said.decode(errors="replace").strip().splitlines()
+    last = lines[-1][:160] if lines else "nothing said"
+    if code < 0:
+        return f"{signal.Signals(-code).name}: {last}"
+    return f"exit code {code}: {last}"
