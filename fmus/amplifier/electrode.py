@@ -17,6 +17,12 @@ from .relaxation import relaxed, segment
 IDEAL = 1.0e-3
 """Resistance [Ohm] at and below which an electrode is ideal; the energy of a jump stays exact."""
 
+ENDLESS = 1.0e60
+"""Charge [C] that no electrode has: what follows from an input beyond all measure."""
+
+MOST_STRETCHES = 1.0e4
+"""Stretches of one piece of the drive: a limit is met and left a few times in it."""
+
 ITERATIONS = 20
 
 SMOOTH = 0.05
@@ -146,7 +152,13 @@ def charged(
     r = max(resistance, IDEAL)
     lag = r * law.capacitance
     left = span
+    stretches = 0.0
     while left > 0.0:
+        stretches = stretches + 1.0
+        if stretches > MOST_STRETCHES:
+            raise ValueError("an electrode's charge law is too stiff to follow")
+        if not math.fabs(e.charge) < ENDLESS:
+            raise ValueError("the charge on an electrode leaves all bounds")
         bend = law.charge_curvature
         g0 = charge_at(law, v0, since)
         g1 = law.capacitance * v1 + law.motional_current + 2.0 * bend * since

@@ -271,7 +271,7 @@ def law_of(u: Input, side: float) -> Law:
             by_square=u.bottom_capacitance_by_square,
             reference_voltage=u.bottom_reference_voltage,
         )
-    if law.capacitance <= 0.0:
+    if not law.capacitance > 0.0:
         raise ValueError("an electrode's capacitance is not positive")
     return law
 

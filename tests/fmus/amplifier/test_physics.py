@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from itertools import pairwise
 
@@ -122,3 +123,19 @@ def test_a_channel_without_capacitance_is_refused() -> None:
             0.0,
             1e-4,
         )
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize(
+    "name",
+    ["charge", "capacitance", "motional_current", "capacitance_rate", "capacitance_by_square",
+     "charge_curvature"],
+)  # fmt: skip
+def test_a_law_beyond_all_measure_is_refused_or_solved_at_once(name: str, sign: float) -> None:
+    """Neither an endless loop nor a result that is no number."""
+    sound = {"top_capacitance": 3e-9, "bottom_capacitance": 3e-9, f"top_{name}": sign * 1e300}
+    p, u = physics.Params(), physics.Input(**sound)
+    x = physics.initial(p, INPUT, 0.0)
+    with contextlib.suppress(ValueError):
+        after = physics.advance(p, x, u, 0.0, 1e-3)
+        assert not math.isnan(after.top_voltage)
