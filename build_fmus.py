@@ -2,10 +2,12 @@
 
     python build_fmus.py                                  every part, if it has changed
     python build_fmus.py linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
+    python build_fmus.py --native                         the same parts without Python in them
 
 Each FMU carries its own copy of the sources it needs as a package named after the FMU and
 the digest of those sources, so that two builds of one part can live in one process. The
-same digest is the GUID: the same sources give the same GUID, on any machine.
+same digest is the GUID: the same sources give the same GUID, on any machine. A native FMU
+carries the same physics as object code instead (docs/native.md).
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ import sys
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -30,6 +33,7 @@ import typer
 HERE = Path(__file__).resolve().parent
 SOURCES = HERE / "fmus"
 OUTPUT = Path("build") / "fmus"
+NATIVE = Path("build") / "native"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -111,16 +115,39 @@ def source_files(part: Any) -> dict[str, bytes]:
     return files
 
 
-def digest_of(name: str, files: dict[str, bytes], starts: dict[str, float]) -> str:
-    """SHA-256 over name, sources, changed starts and the exporter's version."""
-    from importlib.metadata import version
-
+def digest_of(
+    name: str, files: dict[str, bytes], starts: dict[str, float], exporter: list[str]
+) -> str:
+    """SHA-256 over name, sources, changed starts and what tells the exporter."""
     digest = hashlib.sha256()
-    head = [name, version("pythonfmu"), sorted(starts.items())]
+    head = [name, *exporter, sorted(starts.items())]
     digest.update(json.dumps(head).encode())
     for path, text in sorted(files.items()):
         digest.update(path.encode() + b"\0" + text + b"\0")
     return digest.hexdigest()
+
+
+def native_exporter(part: Any, platforms: list[str]) -> list[str]:
+    """What identifies the native build beside the sources; `BuildError` where there is none."""
+    if part.needs:
+        raise BuildError(
+            f"{part.name} needs {', '.join(part.needs)} when it runs: it cannot be built without"
+            " Python; leave out --native"
+        )
+    missing = [n for n in ("numba", "llvmlite") if importlib.util.find_spec(n) is None]
+    if missing:
+        raise BuildError(
+            f"--native needs {' and '.join(missing)} to build: pip install 'resilin[native]', or"
+            ' pip install -e ".[native]" in a checkout'
+        )
+    from fmus.native.errors import NativeError
+    from fmus.native.link import checked
+    from fmus.native.package import marks
+
+    try:
+        return marks(checked(platforms))
+    except NativeError as error:
+        raise BuildError(f"--platform: {error}") from None
 
 
 def build(
@@ -129,16 +156,29 @@ def build(
     alias: str | None = None,
     changes: dict[str, str] | None = None,
     data: Path | None = None,
-    into: Path = OUTPUT,
+    into: Path | None = None,
     force: bool = False,
+    native: bool = False,
+    platforms: Iterable[str] = (),
 ) -> Built:
     """Build one part, or reuse the file that stands for the same sources.
 
     `alias` names the FMU, `changes` gives start values as texts with units, `data` takes
-    the place of the data file that the part's tables are made from. The file appears whole
+    the place of the data file that the part's tables are made from. `native` compiles the
+    part, for `platforms` or for this machine's. The file appears whole
     or not at all, and only if fmpy finds nothing to complain about.
     """
+    from importlib.metadata import version
+
     part = load_part(name)
+    into = into or (NATIVE if native else OUTPUT)
+    wanted = list(platforms)
+    if wanted and not native:
+        raise BuildError("--platform goes with --native: the Python FMUs run on all there are")
+    if native:
+        exporter = native_exporter(part, wanted)
+    else:
+        exporter = [version("pythonfmu")]
     title = alias or name
     if not title.isidentifier():
         raise BuildError(f"{title!r} cannot name an FMU: use letters, digits and underscores")
@@ -153,7 +193,7 @@ def build(
         except (OSError, UnicodeDecodeError) as error:
             raise BuildError(f"{data}: cannot be read as UTF-8 text ({error})") from None
         files.update({origin: text for origin, _ in part.generated.values()})
-    digest = digest_of(title, files, starts)
+    digest = digest_of(title, files, starts, exporter)
     guid = str(uuid.UUID(digest[:32]))
     target = into / f"{title}.fmu"
     if not force and _guid_in(target) == guid:
@@ -166,7 +206,10 @@ def build(
             raise BuildError(f"{title}: {origin}: {error}") from None
     with tempfile.TemporaryDirectory(prefix="resilin_build_") as folder:
         staged = _stage(Path(folder), title, part, files, starts, digest, guid)
-        raw = _export(staged, Path(folder) / "raw")
+        if native:
+            raw = _compile(staged, title, part, guid, starts, wanted)
+        else:
+            raw = _export(staged, Path(folder) / "raw")
         sealed = Path(folder) / f"{title}.fmu"
         _seal(raw, sealed)
         problems = _problems(sealed)
@@ -221,9 +264,40 @@ def _stage(
 
 
 def _export(script: Path, into: Path) -> Path:
-    """Run the exporter on a staged script and undo what it does to `sys.path`."""
+    """Run the exporter on a staged script."""
     from pythonfmu import FmuBuilder
 
+    with _importable(script) as package:
+        return Path(FmuBuilder.build_FMU(script, dest=into, project_files={package}))
+
+
+def _compile(
+    script: Path,
+    title: str,
+    part: Any,
+    guid: str,
+    starts: dict[str, float],
+    platforms: list[str],
+) -> Path:
+    """Compile the physics of a staged package, which has its own tables."""
+    from fmus import __version__
+    from fmus.native.errors import NativeError
+    from fmus.native.link import checked
+    from fmus.native.package import packed
+
+    into = script.parent / "raw"
+    into.mkdir()
+    with _importable(script) as package:
+        own = importlib.import_module(f"{package.name}.{part.name}.slave").PART
+        try:
+            return packed(own, title, guid, __version__, starts, checked(platforms), into)
+        except NativeError as error:
+            raise BuildError(f"{title}: {error}") from None
+
+
+@contextmanager
+def _importable(script: Path) -> Iterator[Path]:
+    """The staged package beside a script, importable; then what `sys` held before."""
     importlib.invalidate_caches()
     package = script.with_name(script.stem.removesuffix("_script"))
     before = list(sys.path)
@@ -231,7 +305,7 @@ def _export(script: Path, into: Path) -> Path:
     sys.path.insert(0, str(script.parent))
     cached, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
-        return Path(FmuBuilder.build_FMU(script, dest=into, project_files={package}))
+        yield package
     finally:
         sys.path[:] = before
         sys.dont_write_bytecode = cached
@@ -290,6 +364,11 @@ def _described(name: str, path: Path, guid: str, *, fresh: bool) -> Built:
     return Built(name, path, variables, path.stat().st_size, guid, fresh)
 
 
+def compilable() -> list[str]:
+    """Parts that have a native form: those that need no package when they run."""
+    return [name for name in part_names() if not load_part(name).needs]
+
+
 def _assignments(texts: list[str], parts: list[str]) -> dict[str, dict[str, str]]:
     """`part.parameter=value` texts, by part."""
     changes: dict[str, dict[str, str]] = {}
@@ -317,8 +396,17 @@ def build_command(
         Path | None,
         typer.Option(help="Data file in the place of the part's own, as films for membrane."),
     ] = None,
-    into: Annotated[Path, typer.Option(help="Folder for the FMUs.")] = OUTPUT,
+    into: Annotated[
+        Path | None, typer.Option(help="Folder for the FMUs; build/fmus or build/native.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Build even what is unchanged.")] = False,
+    native: Annotated[
+        bool, typer.Option("--native", help="Compile the parts: FMUs without Python in them.")
+    ] = False,
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(help="Platform of a native FMU: linux64, win64, darwin64; may be repeated."),
+    ] = None,
 ) -> None:
     """Build parts into FMUs; what is unchanged is left as it is.
 
@@ -328,14 +416,23 @@ def build_command(
     from rich.table import Table
 
     try:
-        wanted = list(parts or part_names())
+        wanted = list(parts or (compilable() if native else part_names()))
         changes = _assignments(set_ or [], wanted)
         if alias and len(wanted) != 1:
             raise BuildError("--as names one FMU: give exactly one part")
         if (changes or data) and not alias:
             raise BuildError("--set and --data make a variant: name it with --as")
         done = [
-            build(name, alias=alias, changes=changes.get(name), data=data, into=into, force=force)
+            build(
+                name,
+                alias=alias,
+                changes=changes.get(name),
+                data=data,
+                into=into,
+                force=force,
+                native=native,
+                platforms=platform or (),
+            )
             for name in wanted
         ]
     except (BuildError, OSError) as error:

@@ -8,7 +8,6 @@ from .part import Part, Variable
 from .units import exponents
 
 CAPABILITIES = {
-    "needsExecutionTool": "true",
     "canHandleVariableCommunicationStepSize": "true",
     "canInterpolateInputs": "false",
     "canBeInstantiatedOnlyOncePerProcess": "false",
@@ -24,11 +23,19 @@ LOG_CATEGORIES = {
 
 
 def model_description(
-    part: Part, identifier: str, guid: str, version: str, variables: list[Variable]
+    part: Part,
+    identifier: str,
+    guid: str,
+    version: str,
+    variables: list[Variable],
+    *,
+    tool: str = "Resilin with PythonFMU",
+    needs_execution_tool: bool = True,
 ) -> Element:
     """XML tree of `part`, exported under the class name `identifier`.
 
-    `variables` are the part's, with the start values of this build.
+    `variables` are the part's, with the start values of this build. `tool` and whether the
+    FMU needs one are all in which the two kinds of FMU differ.
     Every variable has a unit and a description. Outputs are `calculated`, carry no start
     value, name the inputs they follow directly, and stand in InitialUnknowns too. The
     annotation of a port's member holds its order in the law (0 value, 1 affine,
@@ -42,10 +49,11 @@ def model_description(
         description=part.description,
         version=version,
         license="MIT",
-        generationTool="Resilin with PythonFMU",
+        generationTool=tool,
         variableNamingConvention="structured",
     )
-    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **CAPABILITIES})
+    needs = {"needsExecutionTool": "true" if needs_execution_tool else "false"}
+    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **needs, **CAPABILITIES})
     _unit_definitions(root, variables)
     _type_definitions(root, part, variables)
     categories = SubElement(root, "LogCategories")

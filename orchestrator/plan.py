@@ -24,6 +24,8 @@ from .units import UnitError, si_value
 from .wiring import Connection, check_all_fed, connections_of, held_of
 
 LIBRARY = Path("build") / "fmus"
+NATIVE = Path("build") / "native"
+"""The same parts without Python in them."""
 
 
 @dataclass(frozen=True)
@@ -198,9 +200,10 @@ def _interfaces(
 
 def _missing_part(name: str, library: Path) -> str:
     built = [p.stem for p in library.glob("*.fmu")] if library.is_dir() else []
+    command = "resilin build --native" if library.name == NATIVE.name else "resilin build"
     if not built:
-        return f"no part {name!r} in {library}, which holds no FMU; run: resilin build"
-    return f"no part {name!r} in {library}; {nearest(name, built)} (resilin build makes parts)"
+        return f"no part {name!r} in {library}, which holds no FMU; run: {command}"
+    return f"no part {name!r} in {library}; {nearest(name, built)} ({command} makes parts)"
 
 
 def _records(

@@ -13,7 +13,7 @@ from .errors import SceneError
 from .interface import read_interface
 from .plan import LIBRARY, Plan, check, fmu_path
 from .results import Outcome
-from .scenario import Component, Master, Record, Scenario
+from .scenario import Component, Master, Record, Scenario, is_file
 
 MONOLITH = "monolith"
 
@@ -26,8 +26,9 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
     another reference.
     """
     scenario = plan.scenario
+    home = _home(library)
     parts = {name: plan.interfaces[name].path.stem for name in plan.order}
-    probe = read_interface(fmu_path(MONOLITH, plan.path, library))
+    probe = read_interface(fmu_path(MONOLITH, plan.path, home))
     known = {name.partition(".")[0] for name in probe.variables if "." in name}
     for name, part in parts.items():
         if part not in known or plan.interfaces[name].path != fmu_path(part, plan.path, library):
@@ -45,7 +46,15 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
     start["elasticity"] = "membrane" if "membrane" in parts.values() else "spring"
     start["mechanism"] = "linkage" if "linkage" in parts.values() else "payload"
     start["wings"] = "aero" if "aero" in parts.values() else "none"
-    return _renamed(scenario, plan, start, library)
+    return _renamed(scenario, plan, start, home)
+
+
+def _home(library: Path) -> Path:
+    """Folder of the monolith: native parts, which it has no form of, take that of their sibling."""
+    sibling = library.with_name(LIBRARY.name)
+    if is_file(library / f"{MONOLITH}.fmu") or not is_file(sibling / f"{MONOLITH}.fmu"):
+        return library
+    return sibling
 
 
 def _renamed(

@@ -1,15 +1,14 @@
 """Right-hand side of the whole vehicle, made of the parts' own force and loss functions.
 
 No laws, no held values, no communication points: charge, motion and energies of all parts in
-one vector, each derivative from all others at the same instant.
+one vector, each derivative from all others at the same instant. Written in the subset of the
+parts' physics, so that the same text compiles (`fmus/native/reference.py`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields
 
 from ..aero import physics as aero
 from ..amplifier import physics as amplifier
@@ -22,28 +21,34 @@ from ..payload import physics as payload
 from ..quantity import UNLIMITED
 from ..spring import physics as spring
 
-FIELDS = (
-    "top_drive",
-    "bottom_drive",
-    "top_charge",
-    "bottom_charge",
-    "displacement",
-    "velocity",
-    "top_supplied",
-    "top_loss",
-    "bottom_supplied",
-    "bottom_loss",
-    "spring_loss",
-    "force_work",
-    "viscous_loss",
-    "friction_loss",
-    "stop_loss",
-    "load_work",
-    "u0",
-    "u1",
-    "u2",
-    "u3",
-)
+
+@dataclass(frozen=True)
+class Vector:
+    """The state vector, or its time derivative, entry by entry."""
+
+    top_drive: float
+    bottom_drive: float
+    top_charge: float
+    bottom_charge: float
+    displacement: float
+    velocity: float
+    top_supplied: float
+    top_loss: float
+    bottom_supplied: float
+    bottom_loss: float
+    spring_loss: float
+    force_work: float
+    viscous_loss: float
+    friction_loss: float
+    stop_loss: float
+    load_work: float
+    u0: float
+    u1: float
+    u2: float
+    u3: float
+
+
+FIELDS = tuple(field.name for field in fields(Vector))
 """Names of the entries of the state vector, in order."""
 
 SCALES = (1e3, 1e3, 1e-6, 1e-6, 1e-3, 1e-1, *(1e-2,) * 10, *(1e-3,) * 4)
@@ -55,27 +60,44 @@ NEWTON = 40
 
 @dataclass(frozen=True)
 class Composition:
-    """Which parts there are, and their parameters; `None` for a part left out."""
+    """Parameters of all parts and the linkage's range; which of them count.
+
+    The actuator is the membrane where `filmed` is 1, else the spring; the mechanism the
+    linkage where `linked` is 1, else the payload; there is air where `winged` is 1.
+    """
 
     amplifier: amplifier.Params
-    spring: spring.Params | None
-    membrane: membrane.Params | None
-    payload: payload.Params | None
-    linkage: linkage.Params | None
-    aero: aero.Params | None
-    travel: Range | None
+    spring: spring.Params
+    membrane: membrane.Params
+    payload: payload.Params
+    linkage: linkage.Params
+    aero: aero.Params
+    travel: Range
+    filmed: float
+    linked: float
+    winged: float
 
 
-def voltages(c: Composition, y: Any) -> tuple[float, float]:
+@dataclass(frozen=True)
+class Pull:
+    """What the actuator does: force [N], loss [W] and the rates of its branches [m/s]."""
+
+    force: float
+    lost: float
+    u0: float
+    u1: float
+    u2: float
+    u3: float
+
+
+def voltages(c: Composition, y: Vector) -> tuple[float, float]:
     """Voltages of both electrodes [V] from their charges and the displacement."""
-    if c.membrane is not None:
+    if c.filmed == 1.0:
         half = 0.5 * c.membrane.spacer
-        top = film_voltage(c.membrane, half + float(y[4]), float(y[2]))
-        return top, film_voltage(c.membrane, half - float(y[4]), float(y[3]))
-    if c.spring is None:
-        raise ValueError("the composition has no actuator")
-    top = float(y[2] / spring.capacitance(c.spring, 1.0, y[4]))
-    return top, float(y[3] / spring.capacitance(c.spring, -1.0, y[4]))
+        top = film_voltage(c.membrane, half + y.displacement, y.top_charge)
+        return top, film_voltage(c.membrane, half - y.displacement, y.bottom_charge)
+    top = y.top_charge / spring.capacitance(c.spring, 1.0, y.displacement)
+    return top, y.bottom_charge / spring.capacitance(c.spring, -1.0, y.displacement)
 
 
 def film_voltage(p: membrane.Params, height: float, charge: float) -> float:
@@ -88,110 +110,114 @@ def film_voltage(p: membrane.Params, height: float, charge: float) -> float:
         here = membrane.cone(p, height, voltage * voltage)
         slope = -2.0 * here.by_square - 4.0 * voltage * voltage * here.by_square_twice
         change = (charge + 2.0 * voltage * here.by_square) / slope
-        voltage += change
-        if abs(change) < 1e-12 * (1.0 + abs(voltage)):
+        voltage = voltage + change
+        if math.fabs(change) < 1e-12 * (1.0 + math.fabs(voltage)):
             return voltage
     raise ValueError("no voltage belongs to the charge of a cone: near or past pull-in")
 
 
-def actuator(c: Composition, y: Any, top: float, bottom: float) -> tuple[float, float, list[float]]:
-    """Force on the mechanism [N], loss [W], and the rates of the relaxation branches [m/s]."""
-    x, v = float(y[4]), float(y[5])
-    if c.membrane is None:
-        if c.spring is None:
-            raise ValueError("the composition has no actuator")
+def actuator(c: Composition, y: Vector, top: float, bottom: float) -> Pull:
+    """Force on the mechanism, loss, and the rates of the relaxation branches."""
+    x = y.displacement
+    v = y.velocity
+    if c.filmed != 1.0:
         pull = spring.force_per_square(c.spring) * (top * top - bottom * bottom)
-        force = spring.passive_force(c.spring, x, v) + pull
-        return force, spring.damping(c.spring) * v * v, [0.0] * 4
+        return Pull(
+            force=spring.passive_force(c.spring, x, v) + pull,
+            lost=spring.damping(c.spring) * v * v,
+            u0=0.0,
+            u1=0.0,
+            u2=0.0,
+            u3=0.0,
+        )
     p = c.membrane
     half = 0.5 * p.spacer
     upper = membrane.cone(p, half + x, top * top)
     lower = membrane.cone(p, half - x, bottom * bottom)
     passive = 2.0 * membrane.cone(p, half, 0.0).stiffness
     eta = loss.scale(p.loss_factor, p.loss_frequency) * passive
-    branches = [float(u) for u in y[16:20]]
-    rates = [g * v - u / tau for g, tau, u in zip(loss.WEIGHTS, loss.TIMES, branches, strict=True)]
-    lost = sum(
-        u * u / (g * tau) for g, tau, u in zip(loss.WEIGHTS, loss.TIMES, branches, strict=True)
+    lost = branch_loss(0, y.u0) + branch_loss(1, y.u1) + branch_loss(2, y.u2)
+    lost = lost + branch_loss(3, y.u3)
+    force = lower.force - upper.force - p.damping * v - eta * (y.u0 + y.u1 + y.u2 + y.u3)
+    force = force + eta * loss.storage(p.storage_frequency) * x
+    return Pull(
+        force=force,
+        lost=eta * lost + p.damping * v * v,
+        u0=branch_rate(0, y.u0, v),
+        u1=branch_rate(1, y.u1, v),
+        u2=branch_rate(2, y.u2, v),
+        u3=branch_rate(3, y.u3, v),
     )
-    force = lower.force - upper.force - p.damping * v - eta * sum(branches)
-    force += eta * loss.storage(p.storage_frequency) * x
-    return force, eta * lost + p.damping * v * v, rates
 
 
-def currents(c: Composition, y: Any, drives: tuple[float, float]) -> tuple[float, float]:
-    """Electrode currents [A] behind the amplifier's voltages, within its limits."""
-    p = c.amplifier
+def branch_rate(i: int, u: float, v: float) -> float:
+    """Rate [m/s] of a relaxation branch."""
+    return loss.WEIGHTS[i] * v - u / loss.TIMES[i]
+
+
+def branch_loss(i: int, u: float) -> float:
+    """Loss [W] of a relaxation branch over eta K."""
+    return u * u / (loss.WEIGHTS[i] * loss.TIMES[i])
+
+
+def current(p: amplifier.Params, drive: float, voltage: float) -> float:
+    """Electrode current [A] behind the amplifier's voltage, within its limits."""
     resistance = max(p.resistance, IDEAL_RESISTANCE)
-    flows = []
-    for drive, voltage in zip(drives, voltages(c, y), strict=True):
-        bound = amplifier.current_limit(p, voltage)
-        flows.append(max(-bound, min(bound, (drive - voltage) / resistance)))
-    return flows[0], flows[1]
+    bound = amplifier.current_limit(p, voltage)
+    return max(-bound, min(bound, (drive - voltage) / resistance))
 
 
-def right_hand_side(
-    c: Composition, u: amplifier.Input, inside: float
-) -> Callable[[float, Any], list[float]]:
-    """dy/dt over one smooth piece of the drive, of which `inside` is a time.
-
-    A trial state outside the model gives NaN, on which the solver shortens its step.
-    """
-    p = c.amplifier
-    lagging = p.bandwidth < UNLIMITED or p.slew_rate < UNLIMITED
+def slew(p: amplifier.Params, command: float, drive: float) -> float:
+    """Rate [V/s] of an amplifier with a bandwidth or a slew rate."""
     rate = 2.0 * math.pi * min(p.bandwidth, 1.0e9)
+    return max(-p.slew_rate, min(p.slew_rate, (command - drive) * rate))
 
-    def derivative(t: float, y: Any) -> list[float]:
-        try:
-            return inner(t, y)
-        except (ValueError, OverflowError):
-            return [math.nan] * len(FIELDS)
 
-    def inner(t: float, y: Any) -> list[float]:
-        commands = (
-            amplifier.command(p, u, 1.0, t, inside),
-            amplifier.command(p, u, -1.0, t, inside),
-        )
-        drives = commands
-        slews = (0.0, 0.0)
-        if lagging:
-            drives = (float(y[0]), float(y[1]))
-            slews = (
-                max(-p.slew_rate, min(p.slew_rate, (commands[0] - drives[0]) * rate)),
-                max(-p.slew_rate, min(p.slew_rate, (commands[1] - drives[1]) * rate)),
-            )
-        top, bottom = voltages(c, y)
-        i_top, i_bottom = currents(c, y, drives)
-        resistance = max(p.resistance, IDEAL_RESISTANCE)
-        x, v = float(y[4]), float(y[5])
-        force, lost, relaxing = actuator(c, y, top, bottom)
-        motion = mechanics(c, x, v, force)
-        return [
-            slews[0],
-            slews[1],
-            i_top,
-            i_bottom,
-            v,
-            motion.acceleration,
-            top * i_top + resistance * i_top * i_top,
-            resistance * i_top * i_top,
-            bottom * i_bottom + resistance * i_bottom * i_bottom,
-            resistance * i_bottom * i_bottom,
-            lost,
-            motion.force_power,
-            motion.viscous_power,
-            motion.friction_power,
-            motion.stop_power,
-            motion.load_power,
-            *relaxing,
-        ]
-
-    return derivative
+def rates(c: Composition, u: amplifier.Input, inside: float, t: float, y: Vector) -> Vector:
+    """dy/dt over one smooth piece of the drive, of which `inside` is a time."""
+    p = c.amplifier
+    top_drive = amplifier.command(p, u, 1.0, t, inside)
+    bottom_drive = amplifier.command(p, u, -1.0, t, inside)
+    top_slew = 0.0
+    bottom_slew = 0.0
+    if p.bandwidth < UNLIMITED or p.slew_rate < UNLIMITED:
+        top_slew = slew(p, top_drive, y.top_drive)
+        bottom_slew = slew(p, bottom_drive, y.bottom_drive)
+        top_drive = y.top_drive
+        bottom_drive = y.bottom_drive
+    top, bottom = voltages(c, y)
+    i_top = current(p, top_drive, top)
+    i_bottom = current(p, bottom_drive, bottom)
+    resistance = max(p.resistance, IDEAL_RESISTANCE)
+    pull = actuator(c, y, top, bottom)
+    motion = mechanics(c, y.displacement, y.velocity, pull.force)
+    return Vector(
+        top_drive=top_slew,
+        bottom_drive=bottom_slew,
+        top_charge=i_top,
+        bottom_charge=i_bottom,
+        displacement=y.velocity,
+        velocity=motion.acceleration,
+        top_supplied=top * i_top + resistance * i_top * i_top,
+        top_loss=resistance * i_top * i_top,
+        bottom_supplied=bottom * i_bottom + resistance * i_bottom * i_bottom,
+        bottom_loss=resistance * i_bottom * i_bottom,
+        spring_loss=pull.lost,
+        force_work=motion.force_power,
+        viscous_loss=motion.viscous_power,
+        friction_loss=motion.friction_power,
+        stop_loss=motion.stop_power,
+        load_work=motion.load_power,
+        u0=pull.u0,
+        u1=pull.u1,
+        u2=pull.u2,
+        u3=pull.u3,
+    )
 
 
 def mechanics(c: Composition, x: float, v: float, force: float) -> linkage.Flow:
     """Acceleration and powers of the mechanism, whichever there is, under a force [N]."""
-    if c.payload is not None:
+    if c.linked != 1.0:
         return linkage.Flow(
             acceleration=force / c.payload.mass - c.payload.gravity,
             force_power=force * v,
@@ -200,12 +226,10 @@ def mechanics(c: Composition, x: float, v: float, force: float) -> linkage.Flow:
             stop_power=0.0,
             load_power=0.0,
         )
-    if c.linkage is None or c.travel is None:
-        raise ValueError("the composition has no mechanism")
     _, slope, bend = flap(linkage.geometry(c.linkage), c.travel, x)
     torque = 0.0
     air = 0.0
-    if c.aero is not None:
+    if c.winged == 1.0:
         w = slope * v
         drag, _ = aero.drag_law(c.aero, w)
         torque = -drag * w * math.fabs(w)

@@ -2,14 +2,16 @@
 
 Parameters and outputs are those of the parts it is composed of, under the parts' names:
 `amplifier.frequency`, `linkage.displacement`. A scene made of our parts becomes its own
-reference by naming this part in place of them. Not held to the rules for native physics:
-it exists to be independent of the coupling, not to be fast.
+reference by naming this part in place of them. Not held to the rules for native physics,
+except for its equations: it exists to be independent of the coupling, not to be fast.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
+from operator import attrgetter
 from typing import Any
 
 from ..aero import physics as aero
@@ -104,17 +106,35 @@ def _of(part: str, p: Any) -> Any:
 
 
 def _composition(p: Any, x: Any) -> equations.Composition:
-    driven = p.mechanism == 1.0
-    travel = None if driven else Range(**{name: getattr(x, name) for name in _TRAVEL})
+    linked = p.mechanism == 2.0
     return equations.Composition(
-        amplifier=_of("amplifier", p),
-        spring=_of("spring", p) if p.elasticity == 1.0 else None,
-        membrane=_of("membrane", p) if p.elasticity == 2.0 else None,
-        payload=_of("payload", p) if driven else None,
-        linkage=None if driven else _of("linkage", p),
-        aero=_of("aero", p) if p.wings == 2.0 and not driven else None,
-        travel=travel,
+        **{name: _of(name, p) for name in PARTS},
+        travel=Range(**{name: getattr(x, name) for name in _TRAVEL}),
+        filmed=float(p.elasticity == 2.0),
+        linked=float(linked),
+        winged=float(linked and p.wings == 2.0),
     )
+
+
+_ENTRIES = attrgetter(*equations.FIELDS)
+
+
+def right_hand_side(
+    c: equations.Composition, u: amplifier.Input, inside: float
+) -> Callable[[float, Any], list[float]]:
+    """dy/dt for a solver, over one smooth piece of the drive, of which `inside` is a time.
+
+    A trial state outside the model gives NaN, on which the solver shortens its step.
+    """
+
+    def derivative(t: float, y: Any) -> list[float]:
+        here = equations.Vector(*map(float, y))
+        try:
+            return list(_ENTRIES(equations.rates(c, u, inside, t, here)))
+        except (ValueError, OverflowError):
+            return [math.nan] * len(equations.FIELDS)
+
+    return derivative
 
 
 def _drive(u: Any) -> amplifier.Input:
@@ -146,14 +166,14 @@ def advance(p: Any, x: Any, u: Any, t: float, h: float) -> Any:
     c = _composition(p, x)
     drive = _drive(u)
     y = [getattr(x, name) for name in equations.FIELDS]
-    lag = c.amplifier.resistance * (1e-9 if c.spring is None else c.spring.capacitance)
+    lag = c.amplifier.resistance * (1e-9 if c.filmed == 1.0 else c.spring.capacitance)
     stiff = lag < STIFF or c.amplifier.bandwidth < 1.0e29
     begin = t
     stop = t + h
     while begin < stop:
         end = min(stop, amplifier.next_event(c.amplifier, begin))
         solved = solve_ivp(
-            equations.right_hand_side(c, drive, 0.5 * (begin + end)),
+            right_hand_side(c, drive, 0.5 * (begin + end)),
             (begin, end),
             y,
             method="Radau" if stiff else "DOP853",
@@ -167,7 +187,7 @@ def advance(p: Any, x: Any, u: Any, t: float, h: float) -> Any:
     values = {name: getattr(x, name) for name in (*_TRAVEL, *_SEEN)}
     values.update(zip(equations.FIELDS, y, strict=True))
     after = State(**values)
-    if c.aero is None:
+    if c.winged != 1.0:
         return after
     parts = _observed(p, after, u, stop)
     seen = aero.seen(c.aero, _seen(x), _wing(parts["linkage"], stop), stop)
@@ -189,9 +209,9 @@ def _wing(moving: linkage.Output, t: float) -> aero.Input:
 def _observed(p: Any, x: Any, u: Any, t: float) -> dict[str, Any]:
     """Output of every part that is there, from the one state."""
     c = _composition(p, x)
-    y = [getattr(x, name) for name in equations.FIELDS]
+    y = equations.Vector(*_ENTRIES(x))
     top, bottom = equations.voltages(c, y)
-    rates = equations.right_hand_side(c, _drive(u), t)(t, y)
+    rates = right_hand_side(c, _drive(u), t)(t, _ENTRIES(y))
     channels = {
         f"{side}_{name}": value
         for side, voltage, current in (("top", top, rates[2]), ("bottom", bottom, rates[3]))
@@ -213,12 +233,12 @@ def _observed(p: Any, x: Any, u: Any, t: float) -> dict[str, Any]:
         ),
         **_actuator(c, x, top, bottom, t),
     }
-    if c.payload is not None:
+    if c.linked != 1.0:
         at_rest = payload.State(
             displacement=x.displacement, velocity=x.velocity, force_work=x.force_work
         )
         found["payload"] = payload.observe(c.payload, at_rest, payload.Input(), t)
-    if c.linkage is not None and c.travel is not None:
+    else:
         angle, slope, bend = flap(linkage.geometry(c.linkage), c.travel, x.displacement)
         moving = linkage.State(
             displacement=x.displacement,
@@ -234,7 +254,7 @@ def _observed(p: Any, x: Any, u: Any, t: float) -> dict[str, Any]:
             **dataclasses.asdict(c.travel),
         )
         found["linkage"] = linkage.observe(c.linkage, moving, linkage.Input(), t)
-    if c.aero is not None:
+    if c.winged == 1.0:
         found["aero"] = aero.observe(c.aero, _seen(x), _wing(found["linkage"], t), t)
     return found
 
@@ -250,7 +270,7 @@ def _actuator(
         motion_velocity=x.velocity,
         motion_reference_time=t,
     )
-    if c.spring is not None:
+    if c.filmed != 1.0:
         held = spring.State(
             dissipated_energy=x.spring_loss,
             sample_time=t,
@@ -258,8 +278,6 @@ def _actuator(
             sample_velocity=x.velocity,
         )
         return {"spring": spring.observe(c.spring, held, u, t)}
-    if c.membrane is None:
-        return {}
     relaxed = dataclasses.replace(
         membrane.initial(c.membrane, u, t), u0=x.u0, u1=x.u1, u2=x.u2, u3=x.u3,
         viscous_loss=x.spring_loss,

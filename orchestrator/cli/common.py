@@ -28,6 +28,9 @@ Kind = Annotated[
     ),
 ]
 Library = Annotated[Path, typer.Option("--fmus", help="Folder of the built parts.")]
+Native = Annotated[
+    bool, typer.Option("--native", help="Take the parts from build/native: no Python in them.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts, nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
 Stop = Annotated[str | None, typer.Option(help='End of the run, as "2 s" or "40 cycles".')]
@@ -38,6 +41,7 @@ Tolerance = Annotated[
     float | None, typer.Option(help="Let an error estimate choose the steps, as 1e-3.")
 ]
 BUILT = Path("build/fmus")
+COMPILED = Path("build/native")
 
 
 def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:
@@ -50,6 +54,13 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
             raise InputError(f"{option} {text!r}: write component.parameter=value")
         changes[name.strip()] = value.strip()
     return changes
+
+
+def library(fmus: Path, native: bool) -> Path:
+    """Folder in which a scene's parts are looked up."""
+    if native and fmus != BUILT:
+        raise InputError("--native and --fmus both name the folder of the parts: give one")
+    return COMPILED if native else fmus
 
 
 def overrides(

@@ -50,6 +50,7 @@ def precision(
     set_: common.Sets = None,
     stop: common.Stop = None,
     fmus: common.Library = common.BUILT,
+    native: common.Native = False,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
@@ -80,7 +81,7 @@ def precision(
         target.parent.mkdir(parents=True, exist_ok=True)
         study = study_precision(
             scene,
-            fmus,
+            common.library(fmus, native),
             methods=[parse_method(text) for text in method or []] or None,
             ladder=factor or LADDER,
             tolerances=tolerance or (),

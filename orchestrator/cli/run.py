@@ -38,6 +38,7 @@ def run(
         typer.Option(help="Run again at half the step to say how wrong the result is."),
     ] = None,
     fmus: common.Library = common.BUILT,
+    native: common.Native = False,
     picture: Annotated[bool, typer.Option(help="Draw a PNG beside the result.")] = True,
     json: common.Json = False,
     quiet: common.Quiet = False,
@@ -57,7 +58,8 @@ def run(
     target = output or Path("results") / f"{Path(scene).stem}.nc"
     with Interrupt() as interrupt, common.reported():
         options = common.overrides(laws, kind, stop, step, tolerance)
-        plan = load(scene, common.assignments(set_), fmus, **options)
+        parts = common.library(fmus, native)
+        plan = load(scene, common.assignments(set_), parts, **options)
         prepare(target)
         interrupt.check()
         clear(target)

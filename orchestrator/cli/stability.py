@@ -40,6 +40,7 @@ def stability(
     ] = None,
     set_: common.Sets = None,
     fmus: common.Library = common.BUILT,
+    native: common.Native = False,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
@@ -84,7 +85,7 @@ def stability(
         study = study_stability(
             listed,
             file,
-            fmus,
+            common.library(fmus, native),
             methods=[parse_method(text) for text in method or []] or None,
             workers=workers,
             patience=patience,

@@ -42,6 +42,7 @@ def sweep(
         str | None, typer.Option(help='Metric whose peak gets more points, as "travel".')
     ] = None,
     fmus: common.Library = common.BUILT,
+    native: common.Native = False,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
@@ -61,7 +62,7 @@ def sweep(
         data = run_sweep(
             scene,
             [parse_axis(text) for text in over],
-            fmus,
+            common.library(fmus, native),
             target,
             changes=common.assignments(set_),
             options=common.overrides(laws, kind, stop, step, tolerance),

@@ -1,0 +1,161 @@
+"""Parts with Python and without, side by side in one run.
+
+`python benchmarks/native.py [SCENE ...]` needs both kinds of parts: `resilin build`, `resilin build
+--native`. Three tables: a step of each part alone, by the calls that a master makes (set
+inputs, step, get outputs, each repeated and the least time taken); a scene with both kinds
+at steps per cycle, in seconds simulated over seconds of processor time, which a busy machine
+disturbs least; the monolith's right-hand side.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+
+from orchestrator.archive import extract
+from orchestrator.interface import read_interface
+from orchestrator.masters import GaussSeidel
+from orchestrator.plan import LIBRARY, NATIVE
+from orchestrator.simulation import advance, load
+from orchestrator.system import System
+from orchestrator.unit import Local, in_process
+
+STEPS = 200
+REPEATS = 9
+STEP = 1e-4
+PER_CYCLE = (20, 50, 100, 200, 400)
+CYCLES = 10
+SCENES = ("flapping-full-wings", "flapping-membrane")
+EXCITED = {
+    "force.value": 0.05,
+    "force.stiffness": 300.0,
+    "motion.displacement": 5e-4,
+    "motion.velocity": 0.05,
+    "motion.flap_rate": 30.0,
+    "top.voltage": 1500.0,
+    "bottom.voltage": 1100.0,
+}
+
+
+def loaded(fmu: Path, folder: Path) -> Local:
+    """An initialised unit with buffers over all real inputs and outputs."""
+    extract(fmu, folder)
+    interface = read_interface(fmu)
+    unit = in_process(fmu.stem, interface, folder)
+    unit.prepare({}, 0.0, 1.0, None)
+    inputs = [v for v in interface.of("input") if v.kind == "Real"]
+    outputs = interface.of("output")
+    sent = np.array([EXCITED.get(v.name, float(v.start or 0.0)) for v in inputs])
+    unit.connect(inputs, sent, [outputs], np.zeros(len(outputs)))
+    unit.enter_initialisation()
+    unit.send()
+    unit.exit_initialisation()
+    return unit
+
+
+def calls(unit: Local) -> dict[str, Callable[[], Any]]:
+    """What is timed: each call alone, all three as a step of a master, a state there and back."""
+    time = 0.0
+
+    def step() -> None:
+        nonlocal time
+        unit.step(time, STEP)
+        time += STEP
+
+    def round_trip() -> None:
+        unit.send()
+        step()
+        unit.receive()
+
+    def rollback() -> None:
+        state = unit.save()
+        unit.restore(state)
+        unit.forget(state)
+
+    return {"set + step + get": round_trip, "step": step, "state": rollback}
+
+
+def least(both: list[Callable[[], Any]]) -> list[float]:
+    """Microseconds a call, taken in turns so that both kinds meet the same machine."""
+    found: list[list[float]] = [[] for _ in both]
+    for _ in range(REPEATS):
+        for times, call in zip(found, both, strict=True):
+            begun = perf_counter()
+            for _ in range(STEPS):
+                call()
+            times.append(perf_counter() - begun)
+    return [1e6 * min(times) / STEPS for times in found]
+
+
+def parts() -> None:
+    print(f"{'part':12} {'call':18} {'Python us':>10} {'native us':>10} {'ratio':>7}")
+    for fmu in sorted(NATIVE.glob("*.fmu")):
+        with tempfile.TemporaryDirectory() as folder:
+            units = []
+            for kind in (LIBRARY, NATIVE):
+                place = Path(folder) / kind.name
+                place.mkdir()
+                units.append(loaded(kind / fmu.name, place))
+            slow, fast = (calls(unit) for unit in units)
+            for name in slow:
+                python, native = least([slow[name], fast[name]])
+                ratio = python / native
+                print(f"{fmu.stem:12} {name:18} {python:10.1f} {native:10.2f} {ratio:7.1f}")
+            for unit in units:
+                unit.close()
+
+
+def scenes(names: tuple[str, ...]) -> None:
+    print(f"\n{'scene':22} {'per cycle':>9} {'Python':>8} {'native':>8} {'ratio':>7}   times real")
+    for name in names:
+        for count in PER_CYCLE:
+            time = {"stop": f"{CYCLES} cycles", "step": {"per_cycle": count}}
+            plans = [load(name, None, kind, time=time) for kind in (LIBRARY, NATIVE)]
+            best = [0.0, 0.0]
+            for _ in range(3):
+                for k, plan in enumerate(plans):
+                    with System(plan) as system:
+                        method = GaussSeidel(system, plan.scenario.master)
+                        begun = process_time()
+                        advance(system, method, [])
+                        passed = process_time() - begun
+                    best[k] = max(best[k], (plan.grid.stop - plan.grid.start) / passed)
+            python, native = best
+            print(f"{name:22} {count:9} {python:8.2f} {native:8.2f} {native / python:7.1f}")
+
+
+def reference() -> None:
+    """Needs the source tree and the packages of the extra `native`, unlike the rest."""
+    from fmus.amplifier.physics import Input
+    from fmus.monolith import equations, physics
+    from fmus.native.reference import right_hand_side
+
+    print(f"\n{'right-hand side':22} {'Python us':>10} {'native us':>10} {'ratio':>7}")
+    for name, elasticity in (("spring", 1.0), ("membrane", 2.0)):
+        p = physics.Params(elasticity=elasticity, linkage_wing_inertia=8e-8)
+        state = physics.initial(p, physics.Input(), 0.0)
+        y = np.array([getattr(state, field) for field in equations.FIELDS])
+        made = [
+            make(physics._composition(p, state), Input(), 1e-3)
+            for make in (physics.right_hand_side, right_hand_side)
+        ]
+        made[1](0.0, y)
+        python, native = least([partial(f, 1e-3, y) for f in made])
+        print(f"{name:22} {python:10.1f} {native:10.2f} {python / native:7.1f}")
+
+
+def main() -> None:
+    parts()
+    scenes(tuple(sys.argv[1:]) or SCENES)
+    reference()
+
+
+if __name__ == "__main__":
+    main()
