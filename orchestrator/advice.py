@@ -23,6 +23,8 @@ SHARE = 1.0 / 3.0
 
 CYCLES = 3
 DOUBLINGS = 14
+ALIKE = 3
+"""Halvings on end whose trials stop at the same time: no step will do."""
 
 
 @dataclass(frozen=True)
@@ -47,29 +49,45 @@ def advised(plan: Plan) -> Advice:
     Each is tried over the first cycles of the scene, or a tenth of it without a cycle; the
     distance to the run at half the step estimates its error. Of the first one that is accurate
     the linear step map, about rest with the drive off, predicts whether the coupling is stable.
-    Raises `SceneError` where no step down to 1/163840 of a cycle will do, with the last reason.
+    Raises `SceneError` where no step down to 1/163840 of a cycle will do, or where trials stop
+    at one and the same time whatever the step, with the last reason.
     """
     if plan.fixed_step:
         fixed = ", ".join(plan.fixed_step)
         raise SceneError(f"{plan.path}: time.step: {fixed} takes steps of one size only; give it")
-    step, reason = plan.grid.step, ""
+    step, reason, alike = plan.grid.step, "", 0
     coarse = _tried(plan, step)
     for _ in range(DOUBLINGS):
         fine = _tried(plan, 0.5 * step)
-        if isinstance(coarse, Outcome) and isinstance(fine, Outcome):
+        failed = _failed(coarse), _failed(fine)
+        if not any(failed) and isinstance(coarse, Outcome) and isinstance(fine, Outcome):
             error = _distance(plan, coarse, fine)
             radius = _radius(plan, step) if error <= SHARE * TARGET else None
             if error <= SHARE * TARGET and (radius is None or radius <= 1.0 + SLACK):
                 return Advice(step, error, radius)
             reason = f"estimated error {error:.1e}" if radius is None else f"grows by {radius:.4f}"
         else:
-            reason = str(coarse if isinstance(coarse, Exception) else fine)
+            reason = str(failed[0] or failed[1])
+            alike = (
+                alike + 1 if _end(coarse) <= _end(fine) + step <= _end(coarse) + 2.0 * step else 0
+            )
         step, coarse = 0.5 * step, fine
+        if alike == ALIKE:
+            break
     raise SceneError(f"{plan.path}: time.step: none is found; at {step:.3g} s: {reason}")
 
 
+def _failed(trial: Outcome | Exception) -> Exception | None:
+    return trial.failure if isinstance(trial, Outcome) else trial
+
+
+def _end(trial: Outcome | Exception) -> float:
+    """Time [s] that a trial reached; minus infinity where it did not start."""
+    return float(trial.times[-1]) if isinstance(trial, Outcome) and len(trial.times) else -np.inf
+
+
 def _tried(plan: Plan, step: float) -> Outcome | Exception:
-    """The first cycles of a scene at a step; what kept them from being run."""
+    """The first cycles of a scene at a step, or what kept them from being started."""
     grid = plan.grid
     span = CYCLES / plan.frequency if plan.frequency else 0.1 * (grid.stop - grid.start)
     stop = min(grid.stop, grid.start + span)
@@ -89,7 +107,7 @@ def _tried(plan: Plan, step: float) -> Outcome | Exception:
         return error
     if isinstance(outcome.failure, Interrupted):
         raise outcome.failure
-    return outcome.failure or outcome
+    return outcome
 
 
 def _distance(plan: Plan, coarse: Outcome, fine: Outcome) -> float:

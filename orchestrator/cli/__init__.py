@@ -12,7 +12,7 @@ import sys
 
 import typer
 
-from . import build, exchange, inspect, linearise, plot, precision, run, stability, sweep
+from . import build, calibrate, exchange, inspect, linearise, plot, precision, run, stability, sweep
 
 app = typer.Typer(
     add_completion=True,
@@ -21,7 +21,18 @@ app = typer.Typer(
     help="Co-simulation of a flapping-wing vehicle driven by dielectric elastomers.",
     epilog="Exit codes: 0 done, 1 the run stopped, 2 wrong input, 130 Ctrl-C, 143 SIGTERM.",
 )
-for module in (build, run, sweep, precision, stability, linearise, inspect, plot, exchange):
+for module in (
+    build,
+    run,
+    sweep,
+    precision,
+    stability,
+    linearise,
+    calibrate,
+    inspect,
+    plot,
+    exchange,
+):
     module.add_to(app)
 
 

@@ -94,7 +94,7 @@ def stability(
         )
         write(study, target)
         drawn = draw(study, target.with_suffix(".svg"))
-    count, usual = study.count(), study.count(usual=True)
+    count = study.count()
     if json:
         trials = [asdict(trial) for trial in study.trials]
         common.print_json({"count": count, "references": study.references, "trials": trials})
@@ -103,8 +103,13 @@ def stability(
 
         Console().print(table(study))
         typer.echo(legend())
-        typer.echo("all:            " + ", ".join(f"{count[kind]} {kind}" for kind in CLASSES))
-        typer.echo("scenes' own:    " + ", ".join(f"{usual[kind]} {kind}" for kind in CLASSES))
+        lines = {
+            "all": count,
+            "the scenes' own": study.count("usual"),
+            "step = auto": study.count("auto"),
+        }
+        for label, found in lines.items():
+            typer.echo(f"{label + ':':16} " + ", ".join(f"{found[k]} {k}" for k in CLASSES))
         typer.echo(f"{study.wall_time:.0f} s\ntable:   {target}\npicture: {drawn}")
     if count["silent"]:
         raise typer.Exit(1)

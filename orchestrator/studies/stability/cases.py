@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -73,9 +73,13 @@ def load_cases(path: Path, names: list[str] | None = None) -> list[Case]:
     return [case for case in cases if not names or case.name in names]
 
 
-def plan_of(case: Case, path: Path, library: Path = LIBRARY, per_cycle: int | None = None) -> Plan:
+def plan_of(
+    case: Case, path: Path, library: Path = LIBRARY, per_cycle: int | Literal["auto"] | None = None
+) -> Plan:
     """Checked plan of a case of the file at `path`, at its scene's own step or another."""
-    time = {} if per_cycle is None else {"step": {"per_cycle": per_cycle}}
+    time: dict[str, Any] = {}
+    if per_cycle is not None:
+        time["step"] = per_cycle if per_cycle == "auto" else {"per_cycle": per_cycle}
     scene = {"title": case.title, **case.scene}
     scenario = scenario_of(scene, path, {key: _text(v) for key, v in case.set.items()}, time=time)
     plan = planned(scenario, path, library)

@@ -36,8 +36,10 @@ def table(study: Study) -> Table:
 
     made = Table("case", "master", "steps in a cycle", "", title="stability", title_justify="left")
     for (case, label), trials in _rows(study):
-        steps = f"{trials[0].per_cycle} ... {trials[-1].per_cycle}"
-        letters = "".join(LETTERS[t.kind] for t in trials)
+        taken = sorted(t.per_cycle for t in trials if not t.auto)
+        steps = f"{taken[0]} ... {taken[-1]}"
+        letters = "".join(LETTERS[t.kind] for t in trials if not t.auto)
+        letters += "".join(f" {LETTERS[t.kind]}" for t in trials if t.auto)
         made.add_row(printable(case), label, steps, letters)
     return made
 
@@ -91,7 +93,7 @@ def draw(study: Study, path: Path) -> Path:
     for axis, label in zip(axes[0], labels, strict=True):
         field = np.full((len(cases), len(steps)), np.nan)
         for trial in (t for t in study.trials if f"{t.master}\n{t.laws}" == label):
-            if trial.per_cycle in steps:
+            if trial.per_cycle in steps and not trial.auto:
                 place = cases.index(trial.case), steps.index(trial.per_cycle)
                 field[place] = kinds.index(trial.kind)
         colours = ListedColormap([COLOURS[kind] for kind in kinds])

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, Literal
 
 from ...errors import SceneError
 from ...interrupt import Interrupt
@@ -32,9 +32,9 @@ class Study:
     trials: list[Trial]
     wall_time: float
 
-    def count(self, *, usual: bool = False) -> dict[str, int]:
-        """Trials of each class; with `usual` of the scenes' own settings alone."""
-        found = Counter(t.kind for t in self.trials if t.usual or not usual)
+    def count(self, only: Literal["usual", "auto"] | None = None) -> dict[str, int]:
+        """Trials of each class; of the scenes' own settings or the steps found for them alone."""
+        found = Counter(t.kind for t in self.trials if only is None or getattr(t, only))
         return {kind: found[kind] for kind in CLASSES}
 
 

@@ -105,7 +105,21 @@ def _ladder(job: Job, method: Method) -> list[Trial]:
             continue
         plan = plan_of(job.case, job.file, job.library, per_cycle)
         trials.append(_trial(job, with_step(plan, method, plan.grid.step), exact, bare))
+    if method == own(own_plan):
+        trials.append(_automatic(job, method, exact))
     return trials
+
+
+def _automatic(job: Job, method: Method, exact: Outcome | None) -> Trial:
+    """The scene's own master with the step that is found for it, or the reason why none is."""
+    bare = Trial(job.case.name, method.kind, method.laws, 0, "late", auto=True)
+    try:
+        plan = plan_of(job.case, job.file, job.library, "auto")
+    except ResilinError as failure:
+        return replace(bare, kind="stopped", reason=_short(failure))
+    per_cycle = round(1.0 / (plan.frequency or 1.0) / plan.grid.step)
+    bare = replace(bare, per_cycle=per_cycle)
+    return _trial(job, with_step(plan, method, plan.grid.step), exact, bare)
 
 
 def _trial(job: Job, plan: Plan, exact: Outcome | None, bare: Trial) -> Trial:

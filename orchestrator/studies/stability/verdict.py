@@ -30,7 +30,7 @@ class Trial:
 
     `error` is the largest relative one of the leading variables; `told` what a run that is
     wrong says of itself: the energy audit's warning, its error estimate, or nothing.
-    `usual` marks the scene's own master and step.
+    `usual` marks the scene's own master and step, `auto` the step that is found for it.
     """
 
     case: str
@@ -44,6 +44,7 @@ class Trial:
     wall_time: float = 0.0
     calls: int = 0
     usual: bool = False
+    auto: bool = False
 
 
 def judged(done: Outcome, error: float, names: Iterable[str]) -> tuple[str, str]:

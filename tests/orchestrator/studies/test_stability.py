@@ -47,7 +47,7 @@ def study(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 def kinds(study: Study, case: str, master: str) -> dict[int, str]:
     """Class by steps in a cycle."""
-    found = [t for t in study.trials if (t.case, t.master) == (case, master)]
+    found = [t for t in study.trials if (t.case, t.master, t.auto) == (case, master, False)]
     return {t.per_cycle: t.kind for t in found}
 
 
@@ -64,7 +64,9 @@ def test_the_scenes_own_setting_is_among_them(study: Study) -> None:
     usual = [t for t in study.trials if t.usual]
     assert {t.case for t in usual} == {"easy", "light", "gone"}
     assert {(t.master, t.laws, t.per_cycle) for t in usual} == {("gauss-seidel", "curvature", 60)}
-    assert sum(study.count(usual=True).values()) == 3
+    assert sum(study.count("usual").values()) == sum(study.count("auto").values()) == 3
+    found = {t.case: t.kind for t in study.trials if t.auto}
+    assert found == {"easy": "accurate", "light": "accurate", "gone": "stopped"}
 
 
 def test_references(study: Study) -> None:
@@ -134,7 +136,7 @@ def test_the_command(library: Path, tmp_path: Path) -> None:
     chosen = ["--cases", str(file), "--case", "gone", "--method", "gauss-seidel"]
     done = runner.invoke(app, ["stability", *chosen, *options, "--json"])
     assert done.exit_code == 0, done.output
-    assert json.loads(done.stdout)["count"]["stopped"] == 2
+    assert json.loads(done.stdout)["count"]["stopped"] == 3
     both = runner.invoke(app, ["stability", "oscillator-1", *chosen, *options])
     assert both.exit_code == 2
     assert "not both" in both.output

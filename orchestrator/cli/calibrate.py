@@ -1,0 +1,65 @@
+"""`resilin calibrate`: the fits behind the scenes, redone or looked at."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import common
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("calibrate")(calibrate)
+
+
+def calibrate(
+    fit: Annotated[list[str] | None, typer.Argument(help="Fits by name; all if none.")] = None,
+    file: Annotated[
+        Path | None, typer.Option(help="TOML file of fits; the shipped one if not given.")
+    ] = None,
+    refit: Annotated[
+        bool, typer.Option(help="Fit again; else the shipped values are looked at.")
+    ] = True,
+    fmus: common.Library = common.BUILT,
+    native: common.Native = False,
+    json: common.Json = False,
+    quiet: common.Quiet = False,
+) -> None:
+    """Fit parameters to the paper's data again; show errors, sensitivities and certainty.
+
+    Example: resilin calibrate vehicle --no-refit --native
+    """
+    from ..interrupt import Interrupt
+    from ..studies.calibration import calibrate as study_calibrate
+    from ..studies.calibration import load_fits, shipped
+    from ..studies.calibration.table import data, facts, parameters, sensitivities
+
+    shown = sys.stderr.isatty() and not (quiet or json)
+    with Interrupt() as interrupt, common.reported():
+        library = common.library(fmus, native)
+        found = [
+            study_calibrate(
+                one,
+                library,
+                refit=refit,
+                interrupt=interrupt,
+                tell=(lambda text: typer.echo(text, err=True)) if shown else None,
+            )
+            for one in load_fits(file or shipped(), fit)
+        ]
+    if json:
+        common.print_json([facts(one) for one in found])
+    elif not quiet:
+        from rich.console import Console
+
+        for one in found:
+            Console().print(parameters(one))
+            Console().print(data(one))
+            Console().print(sensitivities(one))
+            values = ", ".join(f"{value:.3g}" for value in one.singular)
+            typer.echo(f"singular values of the sensitivities: {values}")
+            typer.echo(f"{one.runs} runs in {one.wall_time:.1f} s; {one.message}")

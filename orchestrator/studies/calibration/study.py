@@ -1,0 +1,124 @@
+"""A fit carried out, or only looked at: values, residuals, sensitivities, how sure it all is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...interrupt import Interrupt
+from ...plan import LIBRARY
+from .fits import Fit
+from .model import Model
+
+NUDGE = 0.02
+"""Relative change of a parameter for the sensitivities."""
+
+Values = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What came of a fit.
+
+    `shipped` and `fitted` are the parameters before and after (SI), `paper`, `before` and
+    `after` the data; `sensitivity` is d ln datum / d ln parameter at the fitted values
+    (data, parameters), held-out data included. `runs` counts runs of scenes.
+    """
+
+    fit: Fit
+    shipped: Values
+    fitted: Values
+    paper: Values
+    before: Values
+    after: Values
+    sensitivity: Values
+    runs: int
+    wall_time: float
+    message: str
+
+    @property
+    def errors(self) -> Values:
+        """Relative error of each datum at the fitted values."""
+        return self.after / self.paper - 1.0
+
+    @property
+    def singular(self) -> Values:
+        """Singular values of the sensitivities of the fitted data, largest first.
+
+        A small one is a combination of parameters that the data hardly see.
+        """
+        used = [not datum.held_out for datum in self.fit.data]
+        return np.asarray(np.linalg.svd(self.sensitivity[used], compute_uv=False))
+
+    @property
+    def spread(self) -> Values:
+        """Relative change of each parameter for one per cent of noise on every fitted datum."""
+        used = [not datum.held_out for datum in self.fit.data]
+        s = self.sensitivity[used]
+        return 0.01 * np.sqrt(np.diag(np.linalg.pinv(s.T @ s)))
+
+    @property
+    def correlation(self) -> Values:
+        """Correlation of the parameters' errors under equal noise on the fitted data."""
+        used = [not datum.held_out for datum in self.fit.data]
+        s = self.sensitivity[used]
+        covariance = np.linalg.pinv(s.T @ s)
+        size = np.sqrt(np.diag(covariance))
+        return np.asarray(covariance / np.outer(size, size))
+
+
+def calibrate(
+    fit: Fit,
+    library: Path = LIBRARY,
+    *,
+    refit: bool = True,
+    interrupt: Interrupt | None = None,
+    tell: Callable[[str], None] | None = None,
+) -> Calibration:
+    """Fit by least squares on relative errors, from the values that the scenes carry.
+
+    Parameters move as logarithms within their bounds. Without `refit` they stay, and errors
+    and sensitivities are of the shipped values. Raises `SimulationError` where a scene stops
+    or has no peak at the shipped values.
+    """
+    begun = perf_counter()
+    model = Model(fit, library, interrupt)
+    used = np.array([not datum.held_out for datum in fit.data])
+    shipped, paper = np.array(model.start), np.array(model.paper)
+    before = np.array(model.values(shipped.tolist()))
+
+    def residuals(logs: Values) -> Values:
+        values = np.array(model.values((shipped * np.exp(logs)).tolist()))
+        if tell is not None:
+            tell(f"{model.runs} runs, largest error {np.abs(values / paper - 1.0)[used].max():.2e}")
+        return np.asarray((values / paper - 1.0)[used])
+
+    logs, message = np.zeros(len(shipped)), "not fitted again"
+    if refit:
+        from scipy.optimize import least_squares
+
+        bounds = (np.log(np.array(model.low) / shipped), np.log(np.array(model.high) / shipped))
+        found = least_squares(
+            residuals, logs, bounds=bounds, diff_step=NUDGE, x_scale=0.1, xtol=1e-4, ftol=1e-8,
+            max_nfev=12,
+        )  # fmt: skip
+        logs, message = found.x, str(found.message)
+    fitted = shipped * np.exp(logs)
+    after = np.array(model.values(fitted.tolist()))
+    columns = []
+    for k in range(len(fitted)):
+        ends = []
+        for sign in (1.0, -1.0):
+            moved = fitted.copy()
+            moved[k] *= np.exp(sign * NUDGE)
+            ends.append(np.array(model.values(moved.tolist())))
+        columns.append(np.log(ends[0] / ends[1]) / (2.0 * NUDGE))
+    return Calibration(
+        *(fit, shipped, fitted, paper, before, after, np.array(columns).T, model.runs),
+        *(perf_counter() - begun, message),
+    )
