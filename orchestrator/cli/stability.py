@@ -110,6 +110,7 @@ def stability(
         }
         for label, found in lines.items():
             typer.echo(f"{label + ':':16} " + ", ".join(f"{found[k]} {k}" for k in CLASSES))
-        typer.echo(f"{study.wall_time:.0f} s\ntable:   {target}\npicture: {drawn}")
+        typer.echo(f"{study.wall_time:.0f} s, at most {study.memory / 1e6:.0f} MB a worker")
+        typer.echo(f"table:   {target}\npicture: {drawn}")
     if count["silent"]:
         raise typer.Exit(1)

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, SceneError, nearest
+from ..errors import InputError, SceneError, SimulationError, nearest
 from ..interrupt import Interrupt
 from ..plan import Plan
 from ..reference import as_recorded, monolithic
@@ -91,10 +91,10 @@ def yardstick(
 ) -> Yardstick:
     """The monolith at the scene's communication points; else the scene by itself.
 
-    Then it is iterated at a quarter of the `finest` of the steps to be measured, given as a
-    multiple of the scene's, and bounded by its distance from half that fineness. Raises
-    `SceneError` where a monolith is wanted and there is none, `SimulationError` where the
-    reference itself cannot be calculated.
+    Then it is iterated, or by Gauss-Seidel where that does not settle, at a quarter of the
+    `finest` of the steps to be measured, given as a multiple of the scene's, and bounded by its
+    distance from half that fineness. Raises `SceneError` where a monolith is wanted and there
+    is none, `SimulationError` where the reference itself cannot be calculated.
     """
     if wanted != "self":
         try:
@@ -107,7 +107,17 @@ def yardstick(
             exact = as_recorded(_whole(replay(single, points, interrupt)), plan)
             return Yardstick(exact, "the monolith, DOP853 at 1e-10", {}, single, plan)
     able = all(known.rollback for known in plan.interfaces.values())
-    method = Method("iterative" if able else "gauss-seidel", plan.scenario.master.laws)
+    try:
+        return _itself(plan, "iterative" if able else "gauss-seidel", finest, interrupt)
+    except SimulationError:
+        if not able:
+            raise
+    return _itself(plan, "gauss-seidel", finest, interrupt)
+
+
+def _itself(plan: Plan, kind: str, finest: float, interrupt: Interrupt | None) -> Yardstick:
+    """The scene at a quarter of the finest step, bounded by its distance from half of that."""
+    method = Method(kind, plan.scenario.master.laws)
     fine, finer = (
         _whole(run(with_step(plan, method, share * finest * plan.grid.step), interrupt=interrupt))
         for share in (0.5, 0.25)

@@ -25,12 +25,16 @@ PATIENCE = 30.0
 
 @dataclass(frozen=True)
 class Study:
-    """Trials of every case; what each was measured by, and how long all of it took [s]."""
+    """Trials of every case; what each was measured by, how long all of it took [s].
+
+    `memory` is the most that a worker held [byte].
+    """
 
     cases: list[Case]
     references: dict[str, str]
     trials: list[Trial]
     wall_time: float
+    memory: float = 0.0
 
     def count(self, only: Literal["usual", "auto"] | None = None) -> dict[str, int]:
         """Trials of each class; of the scenes' own settings or the steps found for them alone."""
@@ -65,16 +69,18 @@ def stability(
         total = len(solve) + len(climb)
         references: dict[str, str] = {}
         trials: list[Trial] = []
+        memory = 0.0
         with Crew(work, workers, None, patience * 40.0) as crew:
             for done, (job, answer) in enumerate(crew.answers(solve, check), start=1):
                 references[job.case.name] = _named(answer)
                 (tell or _silent)(done, total)
             for done, (job, answer) in enumerate(crew.answers(climb, check), start=len(solve) + 1):
                 trials += _trials(job, answer)
+                memory = max(memory, answer.get("memory", 0.0) if isinstance(answer, dict) else 0.0)
                 (tell or _silent)(done, total)
     place = {case.name: k for k, case in enumerate(cases)}
     trials.sort(key=lambda t: (place[t.case], t.laws, t.master, t.per_cycle))
-    return Study(list(cases), references, trials, perf_counter() - begun)
+    return Study(list(cases), references, trials, perf_counter() - begun, memory)
 
 
 def _planned(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from time import monotonic
@@ -61,7 +62,8 @@ def work(job: Job) -> dict[str, Any]:
     try:
         if job.method is None:
             return _reference(job)
-        return {"trials": [asdict(trial) for trial in _ladder(job, job.method)]}
+        trials = [asdict(trial) for trial in _ladder(job, job.method)]
+        return {"trials": trials, "memory": _memory()}
     except ResilinError as error:
         return {"reason": _short(error)}
 
@@ -147,6 +149,16 @@ def _solution(job: Job, plan: Plan) -> Outcome | None:
     kept = np.load(job.solution)
     names = [str(name) for name in kept["names"]]
     return Outcome(plan, names, kept["times"], kept["rows"], 0.0, 0, {})
+
+
+def _memory() -> float:
+    """Most memory [byte] that this process has held; 0 where the system does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return 0.0
+    grain = 1 if sys.platform == "darwin" else 1024
+    return float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * grain)
 
 
 def _short(error: Exception) -> str:
