@@ -4,6 +4,7 @@ ResilinError                     exit code
 +-- InputError                   2   the user's files and options
 |   +-- SceneError                   a scene: file, key, remedy; may list several
 |   +-- FmuError                     an FMU file: archive, description, platform
+|   +-- RecordingError               a recording: file, line, column
 |   +-- OutputError                  a result that cannot be written
 +-- SimulationError              1   a run that could not go on
     +-- UnitFailure                  a unit returned anything but OK
@@ -40,6 +41,10 @@ class SceneError(InputError):
 
 class FmuError(InputError):
     """A file that is no usable FMU."""
+
+
+class RecordingError(InputError):
+    """A file that is no usable recording."""
 
 
 class OutputError(InputError):

@@ -52,6 +52,11 @@ def facts(plan: Plan) -> dict[str, Any]:
         "held": plan.held,
         "loops": loops(plan),
         "left_out": plan.scenario.without,
+        "recordings": {
+            name: {"begin": r.begin, "end": r.end, "outputs": list(r.interface.variables)}
+            for name, r in plan.recordings.items()
+        },
+        "let_go": plan.let_go,
         "records": [f"{name}.{v.name}" for name, v in plan.records],
         "time": {
             "start": plan.grid.start,
@@ -141,6 +146,13 @@ def _shape(plan: Plan) -> Table:
     for ring in loops(plan):
         table.add_row("loop", ", ".join(ring))
     table.add_row("left out", ", ".join(map(printable, plan.scenario.without)) or "nothing")
+    for name, recording in plan.recordings.items():
+        span = f"{recording.begin:g} to {recording.end:g} s"
+        table.add_row(
+            "recording", f"{name}: {span}, {plan.scenario.components[name].interpolation}"
+        )
+    for told in plan.let_go:
+        table.add_row("let go", printable(told))
     return table
 
 

@@ -11,17 +11,22 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from math import inf
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from .errors import FmuError, SceneError, nearest, printable
+from .errors import FmuError, RecordingError, SceneError, nearest, printable
 from .faults import Fault, faults_of
 from .grid import Grid, frequency_of, grid_of, seconds
 from .interface import Interface, Variable, read_interface
 from .order import order_of
+from .replaced import without_replaced
 from .scenario import AUTO, Scenario, is_file
 from .starts import Action, actions_of, starts_of
 from .unit.base import Limits
 from .units import UnitError, si_value
 from .wiring import Connection, check_all_fed, connections_of, held_of
+
+if TYPE_CHECKING:
+    from .recording import Recording
 
 LIBRARY = Path("build") / "fmus"
 NATIVE = Path("build") / "native"
@@ -33,7 +38,8 @@ class Plan:
     """A checked scene: what to load, how it is wired, when it communicates, what is kept.
 
     `limits` holds for isolated units; `keep_from` is the time [s] from which rows are kept;
-    `advice` says why the step is what it is, where the scene left it open.
+    `advice` says why the step is what it is, where the scene left it open. `recordings` stand in
+    the place of parts, `let_go` tells what the scene does without for that.
     """
 
     scenario: Scenario
@@ -51,6 +57,8 @@ class Plan:
     limits: dict[str, Limits] = field(default_factory=dict)
     keep_from: float = -inf
     advice: str = ""
+    recordings: dict[str, Recording] = field(default_factory=dict)
+    let_go: list[str] = field(default_factory=list)
 
     @property
     def leading(self) -> list[str]:
@@ -71,9 +79,12 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     problems: list[str] = []
     if not scenario.components:
         raise SceneError(f"{path}: components: a scene needs at least one")
-    interfaces = _interfaces(scenario, path, library, problems)
+    recordings = _recordings(scenario, path, problems)
+    interfaces = _interfaces(scenario, path, library, recordings, problems)
     if problems:
         raise SceneError(f"{path}: {problem}" for problem in problems)
+    whole = scenario
+    scenario, let_go = without_replaced(scenario, interfaces, recordings, problems)
     starts = starts_of(scenario, interfaces, problems)
     fed: dict[str, str] = {}
     connections = connections_of(scenario, interfaces, fed, problems)
@@ -82,20 +93,22 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
         check_all_fed(interfaces, fed, problems)
     order = order_of(scenario, connections, problems)
     records = _records(scenario, interfaces, problems)
-    frequency = frequency_of(scenario, interfaces, starts, problems)
+    frequency = frequency_of(scenario, interfaces, starts, problems) or _recorded(recordings)
     grid = grid_of(scenario, frequency, problems)
     actions = actions_of(scenario, interfaces, held, frequency, problems)
     faults = faults_of(scenario, interfaces, frequency, problems)
     limits = _limits(scenario, problems)
     if scenario.master.kind == AUTO:
         chosen = scenario.master.model_copy(update={"kind": usual(connections)})
-        scenario = scenario.model_copy(update={"master": chosen})
+        whole = whole.model_copy(update={"master": chosen})
     keep_from = _keep_from(scenario, grid, frequency, problems)
     if problems or grid is None:
         raise SceneError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
     plan = Plan(
-        *(scenario, path, interfaces, starts, connections, held, order, records),
+        *(whole, path, interfaces, starts, connections, held, order, records),
         *(grid, frequency, actions, faults, limits, keep_from),
+        recordings=recordings,
+        let_go=let_go,
     )
     if problems := list(_uneven(plan)):
         raise SceneError(f"{path}: {problem}" for problem in problems)
@@ -175,8 +188,33 @@ def fmu_path(name: str, scene: Path, library: Path) -> Path:
     return library / f"{name}.fmu"
 
 
+def _recordings(scenario: Scenario, path: Path, problems: list[str]) -> dict[str, Recording]:
+    """Recordings of a scene, read and checked; nothing is imported where there is none."""
+    found: dict[str, Recording] = {}
+    for name, component in scenario.components.items():
+        if component.data is None:
+            continue
+        from .recording import open_recording
+
+        try:
+            found[name] = open_recording(component, path)
+        except RecordingError as error:
+            problems += [f"components.{name}.data: {line}" for line in str(error).split("\n")]
+    return found
+
+
+def _recorded(recordings: dict[str, Recording]) -> float | None:
+    """Cycle that the recordings tell, where they agree."""
+    told = {r.frequency for r in recordings.values() if r.frequency}
+    return told.pop() if len(told) == 1 else None
+
+
 def _interfaces(
-    scenario: Scenario, path: Path, library: Path, problems: list[str]
+    scenario: Scenario,
+    path: Path,
+    library: Path,
+    recordings: dict[str, Recording],
+    problems: list[str],
 ) -> dict[str, Interface]:
     """Interface of each component, each file read once."""
     known: dict[Path, Interface] = {}
@@ -184,6 +222,10 @@ def _interfaces(
     for name, component in scenario.components.items():
         if not name.isidentifier():
             problems.append(f"components.{printable(name)}: not a name of letters, digits and _")
+            continue
+        if component.fmu is None:
+            if name in recordings:
+                interfaces[name] = recordings[name].interface
             continue
         file = fmu_path(component.fmu, path, library)
         if file not in known:

@@ -16,7 +16,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from .errors import SceneError, nearest, printable
 
@@ -56,18 +57,60 @@ class Time(_Table):
     tolerance: Annotated[float, Field(strict=True, gt=0.0, lt=1.0)] | None = None
 
 
+Outside = Literal["hold", "zero", "stop"]
+
+
 class Component(_Table):
-    """One unit: a built part by name or any FMU by path, and its start values.
+    """One unit: a built part by name or any FMU by path, and its start values; or a recording.
 
     `isolate` puts it into a process of its own or keeps it from that; there `patience` is
-    the time that one call may take, and `memory` what it may allocate.
+    the time that one call may take, and `memory` what it may allocate. A recording is the file
+    `data` with what docs/recordings.md says of it; `memory` is how large it may be.
     """
 
-    fmu: Text
+    fmu: Text | None = None
     start: dict[str, Quantity | Flag] = {}
     isolate: Flag | None = None
     patience: Quantity | None = None
     memory: Quantity | None = None
+    data: Text | None = None
+    component: Text | None = None
+    columns: dict[str, Text] = {}
+    units: dict[str, Text] = {}
+    interpolation: Literal["held", "linear", "cubic", "band-limited"] = "cubic"
+    repeat: Flag | Quantity = False
+    offset: Quantity = 0.0
+    before: Outside = "hold"
+    after: Outside = "stop"
+    gaps: Literal["refuse", "bridge"] = "refuse"
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Component:
+        """Either an FMU or a recording, and keys that mean something to it."""
+        fields = type(self).model_fields
+        given = {key for key in fields if getattr(self, key) != fields[key].default}
+        if (self.fmu is None) == (self.data is None):
+            fault = "fmu: is missing" if self.fmu is None else "data: an fmu is named too; keep one"
+            raise PydanticCustomError("component", "{fault}", {"fault": fault})
+        if self.data is None:
+            foreign = given & RECORDED
+            fault = ": means nothing without data, the file of a recording"
+        else:
+            foreign = given & {"start", "isolate", "patience"}
+            fault = ": means nothing to a recording, which has no parameters and runs in no process"
+        if self.repeat is not False and not foreign:
+            foreign = given & {"before", "after"}
+            fault = ": means nothing beside repeat, which goes on in both directions"
+        if foreign:
+            raise PydanticCustomError("component", "{fault}", {"fault": min(foreign) + fault})
+        return self
+
+
+RECORDED = {
+    *("component", "columns", "units", "interpolation", "repeat"),
+    *("offset", "before", "after", "gaps"),
+}
+"""Keys of a component that only a recording has."""
 
 
 class Action(_Table):
@@ -155,10 +198,9 @@ class Scenario(_Table):
 def json_schema() -> dict[str, Any]:
     """JSON Schema of a scene file, `extends` and `without` included.
 
-    A component's `fmu` may come from the scene that is extended.
+    A component's `fmu` or `data` may come from the scene that is extended.
     """
     schema = Scenario.model_json_schema(by_alias=True)
-    schema["$defs"]["Component"].pop("required")
     schema["title"] = "Resilin scene"
     schema["properties"] = {
         "extends": {"type": "string", "description": "Scene that this one changes."},
@@ -279,10 +321,22 @@ def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]
         if dropped:
             raise SceneError(f"{path}: without: has a meaning only beside extends")
         return tree
-    base = _merged(scene_path(base_name, path.parent), seen)
+    base_path = scene_path(base_name, path.parent)
+    base = _merged(base_path, seen)
+    _anchor(base, base_path, path)
     _drop(base, dropped, path)
     _release(base, tree.get("wires", []))
     return _overlaid(base, tree) | {"without": [*base.get("without", []), *dropped]}
+
+
+def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
+    """Recordings of an extended scene stay beside it, wherever the scene that extends it is."""
+    folder = base_path.resolve().parent
+    if folder == path.resolve().parent:
+        return
+    for component in base.get("components", {}).values():
+        if isinstance(component.get("data"), str):
+            component["data"] = str(folder / component["data"])
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -411,13 +465,13 @@ def _release(base: dict[str, Any], wires: Any) -> None:
 def _overlaid(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
     """`top` over `base`: tables merge, wires and recorded variables add up, all else replaces.
 
-    A component that names another `fmu` keeps only the start values that `top` gives.
+    A component that names another `fmu` or `data` keeps only what `top` gives.
     """
     merged = dict(base)
     for key, value in top.items():
         old = merged.get(key)
         if isinstance(value, dict) and isinstance(old, dict):
-            other = "fmu" in value and value["fmu"] != old.get("fmu")
+            other = any(k in value and value[k] != old.get(k) for k in ("fmu", "data"))
             merged[key] = value if other else _overlaid(old, value)
         elif key in LISTS and isinstance(value, list) and isinstance(old, list):
             merged[key] = [*old, *value]
@@ -450,6 +504,8 @@ def _told(key: str, parts: list[str], problem: Any, value: Any, union: bool) -> 
     given = printable(reprlib.repr(value), most=60)
     if problem["type"] == "extra_forbidden":
         return f"{key}: unknown key; {_suggestion(parts, parts[-1])}"
+    if problem["type"] == "component":
+        return f"{key}.{problem['msg']}"
     if problem["type"] == "missing":
         return f"{key}: is missing"
     if problem["type"] == "finite_number":

@@ -141,14 +141,7 @@ class System:
         folders: dict[Path, Path] = {}
         units: dict[str, Unit] = {}
         for name in plan.order:
-            interface = plan.interfaces[name]
-            if interface.path not in folders:
-                folders[interface.path] = self._unpacked(interface.path)
-            isolate = plan.scenario.components[name].isolate
-            if isolate is None and interface.once:
-                alike = [n for n, other in plan.interfaces.items() if other is interface]
-                isolate = True if len(alike) > 1 else None
-            unit = open_unit(name, interface, folders[interface.path], isolate, plan.limits[name])
+            unit = self._opened(name, folders)
             self._stack.callback(unit.close)
             if faults := [fault for fault in plan.faults if fault.component == name]:
                 from .unit.impaired import Impaired
@@ -157,6 +150,22 @@ class System:
             units[name] = unit
         self._connect(units)
         self._initialise()
+
+    def _opened(self, name: str, folders: dict[Path, Path]) -> Unit:
+        """Unit of a component; `folders` are those of the FMUs unpacked so far."""
+        plan = self.plan
+        if name in plan.recordings:
+            from .unit.recorded import Recorded
+
+            return Recorded(name, plan.recordings[name])
+        interface = plan.interfaces[name]
+        if interface.path not in folders:
+            folders[interface.path] = self._unpacked(interface.path)
+        isolate = plan.scenario.components[name].isolate
+        if isolate is None and interface.once:
+            alike = [n for n, other in plan.interfaces.items() if other is interface]
+            isolate = True if len(alike) > 1 else None
+        return open_unit(name, interface, folders[interface.path], isolate, plan.limits[name])
 
     def _unpacked(self, path: Path) -> Path:
         try:

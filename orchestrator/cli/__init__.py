@@ -12,7 +12,19 @@ import sys
 
 import typer
 
-from . import build, calibrate, exchange, inspect, linearise, plot, precision, run, stability, sweep
+from . import (
+    build,
+    calibrate,
+    exchange,
+    inspect,
+    linearise,
+    plot,
+    precision,
+    record,
+    run,
+    stability,
+    sweep,
+)
 
 app = typer.Typer(
     add_completion=True,
@@ -29,6 +41,7 @@ for module in (
     stability,
     linearise,
     calibrate,
+    record,
     inspect,
     plot,
     exchange,

@@ -74,5 +74,5 @@ def load_tree(tree: dict[str, Any], plan: Plan) -> Plan:
     """A changed scene checked against the same FMUs."""
     paths = {name: str(known.path.resolve()) for name, known in plan.interfaces.items()}
     for name, component in tree["components"].items():
-        component["fmu"] = paths[name]
+        component["fmu" if component["data"] is None else "data"] = paths[name]
     return check(Scenario.model_validate(tree), plan.path)

@@ -1,0 +1,106 @@
+"""Each part replaced by its own recording: how far the rest is then from what it was.
+
+`python benchmarks/recordings.py` prints the tables of docs/recordings.md: the largest difference
+of a variable of the rest, relative to its largest value.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from orchestrator.loading import load
+from orchestrator.plan import LIBRARY
+from orchestrator.results import Outcome
+from orchestrator.simulation import run
+from orchestrator.tape import taped, write_tape
+
+KINDS = ("held", "linear", "cubic", "band-limited")
+STOP = "10 cycles"
+CHARGE = '[hold]\n"amplifier.top.charge" = 0\n"amplifier.bottom.charge" = 0\n'
+CASES: dict[str, dict[str, tuple[list[str], str, str]]] = {
+    "oscillator-1": {
+        "amplifier": (["top.voltage", "bottom.voltage"], "payload.displacement", ""),
+        "spring": (["force.value"], "payload.displacement", CHARGE),
+        "payload": (["motion.displacement"], "spring.force.value", ""),
+    },
+    "flapping-full-wings": {
+        "amplifier": (["top.voltage", "bottom.voltage"], "linkage.displacement", ""),
+        "spring": (["force.value"], "linkage.displacement", CHARGE),
+        "aero": (["load.torque", "load.added_inertia"], "linkage.displacement", ""),
+        "linkage": (["motion.displacement", "motion.flap_angle"], "spring.force.value", ""),
+    },
+}
+"""Part -> columns that are the bare values of its ports, what is compared, and what is held."""
+STEPS = {"oscillator-1": 60, "flapping-full-wings": 50}
+
+
+def replayed(
+    folder: Path, scene: str, part: str, tape: Path, kind: str, columns: list[str], holds: str,
+    library: Path = LIBRARY, **options: object,
+) -> Outcome:  # fmt: skip
+    """Outcome of a scene with a recording in one part's place; all columns if none is given."""
+    path = folder / "replayed.toml"
+    listed = ", ".join(f'"{name}" = "{name}"' for name in columns)
+    path.write_text(
+        f'extends = "{scene}"\n[components.{part}]\ndata = "{tape}"\n'
+        f'interpolation = "{kind}"\nafter = "hold"\n'
+        + (f"columns = {{ {listed} }}\n" if columns else "")
+        + (holds if columns else "")
+    )
+    done = run(load(path, None, library, **options))
+    assert done.failure is None, done.failure
+    return done
+
+
+def difference(whole: Outcome, other: Outcome, name: str) -> float:
+    """Largest difference of a variable at the points that both have, by its largest value."""
+    _, mine, its = np.intersect1d(whole.times.round(12), other.times.round(12), return_indices=True)
+    one, two = whole.series(name)[mine], other.series(name)[its]
+    return float(np.abs(one - two).max() / np.abs(one).max())
+
+
+def main() -> None:
+    """Print the tables."""
+    with tempfile.TemporaryDirectory() as made:
+        folder = Path(made)
+        for scene, parts in CASES.items():
+            whole = run(load(scene, time={"stop": STOP}))
+            print(f"\n{scene}, {STOP}\n\n| part | way | {' | '.join(KINDS)} |")
+            print("|---|---|" + "---|" * len(KINDS))
+            for part, (columns, name, holds) in parts.items():
+                for way, finer, used, per_cycle in (
+                    ("whole ports", 1, [], STEPS[scene]),
+                    ("whole ports, half the step", 1, [], 2 * STEPS[scene]),
+                    ("values", 1, columns, STEPS[scene]),
+                    ("values, four times as many rows", 4, columns, STEPS[scene]),
+                ):
+                    rate = {"per_cycle": finer * STEPS[scene]}
+                    tape = folder / f"{part}-{finer}.csv"
+                    if not tape.exists():
+                        plan = load(scene, time={"stop": STOP, "step": rate})
+                        write_tape(run(taped(plan, part)), tape)
+                    step = {"per_cycle": per_cycle}
+                    against = whole
+                    if per_cycle != STEPS[scene]:
+                        against = run(load(scene, time={"stop": STOP, "step": step}))
+                    errors = [
+                        difference(
+                            against,
+                            replayed(
+                                folder, scene, part, tape, kind, used, holds,
+                                time={"stop": STOP, "step": step},
+                            ),
+                            name,
+                        )
+                        for kind in KINDS
+                    ]  # fmt: skip
+                    print(f"| {part} | {way} | {' | '.join(f'{e:.1e}' for e in errors)} |")
+            for tape in folder.glob("*.csv"):
+                tape.unlink()
+
+
+if __name__ == "__main__":
+    main()

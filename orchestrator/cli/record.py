@@ -1,0 +1,59 @@
+"""`resilin record`: what crosses a part's outputs, as a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import common
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("record")(record)
+
+
+def record(
+    scene: common.SceneName,
+    part: Annotated[str, typer.Option(help="Component of the scene whose outputs are kept.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Recording, .csv or .nc; results/SCENE-PART.csv if not given."),
+    ] = None,
+    set_: common.Sets = None,
+    laws: common.Laws = None,
+    kind: common.Kind = None,
+    stop: common.Stop = None,
+    step: common.Step = None,
+    tolerance: common.Tolerance = None,
+    fmus: common.Library = common.BUILT,
+    native: common.Native = False,
+    quiet: common.Quiet = False,
+) -> None:
+    """Run a scene and keep what one part puts out, as a recording that can take its place.
+
+    Example: resilin record flapping-full-wings --part amplifier --stop "10 cycles"
+    """
+    from ..errors import OutputError
+    from ..interrupt import Interrupt
+    from ..loading import load
+    from ..results import prepare
+    from ..simulation import run
+    from ..tape import taped, write_tape
+
+    with Interrupt() as interrupt, common.reported():
+        target = output or Path("results") / f"{Path(scene).stem}-{part}.csv"
+        if target.suffix not in {".csv", ".nc"}:
+            raise OutputError(f"{target}: recordings are written as .csv or .nc")
+        options = common.overrides(laws, kind, stop, step, tolerance)
+        library = common.library(fmus, native)
+        plan = taped(load(scene, common.assignments(set_), library, **options), part)
+        prepare(target.with_suffix(".nc"))
+        outcome = run(plan, interrupt=interrupt, estimate=False)
+        written = write_tape(outcome, target)
+        if not quiet:
+            typer.echo(f"{outcome.kept} rows of {len(outcome.names)} variables: {written}")
+        if outcome.failure is not None:
+            raise outcome.failure

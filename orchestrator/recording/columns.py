@@ -1,0 +1,133 @@
+"""Headings of a file, and which of them a scene takes as what."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import RecordingError, nearest, printable
+from ..units import UnitError, parsed
+from .table import TIME, Column
+
+_WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*")
+_VARIABLE = re.compile(r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?(\.[A-Za-z_]\w*(\[\d+(,\d+)*\])?)*")
+CLOCKS = ("time", "t")
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A column's heading as it stands, and its name and unit: `force.value [N]`, `F (N)`."""
+
+    text: str
+    name: str
+    unit: str
+
+    @classmethod
+    def of(cls, text: str) -> Heading:
+        """Heading of one cell; an index, as in `x[1]`, is no unit."""
+        words = text.strip()
+        found = _WITH_UNIT.fullmatch(words)
+        if found is None or re.fullmatch(r"[\d, ]*", found[2]):
+            return cls(words, words, "")
+        return cls(words, found[1], found[2])
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What a scene says of the columns: whose they are, what they become, their units."""
+
+    component: str = ""
+    columns: Mapping[str, str] | None = None
+    units: Mapping[str, str] | None = None
+
+    def columns_of(self, path: Path, where: str, headings: list[Heading]) -> list[Column]:
+        """The columns in use, time first; `RecordingError` with all that is wrong of them."""
+        if self.component:
+            headings = _belonging(path, where, headings, self.component)
+        problems: list[str] = []
+        texts = [h.text for h in headings if h.text]
+        for text in sorted({t for t in texts if texts.count(t) > 1}):
+            problems.append(f"two columns are called {printable(text)!r}")
+        taken = self._mapped(headings, problems) if self.columns else _named(headings)
+        if TIME not in taken.values():
+            clocks = [k for k, h in enumerate(headings) if h.name.lower() in CLOCKS]
+            if clocks:
+                taken = {clocks[0]: TIME, **{k: v for k, v in taken.items() if k != clocks[0]}}
+        if TIME not in taken.values():
+            problems.append(
+                f"no column of time; call one {TIME!r} or say so under columns;"
+                f" {nearest(TIME, texts)}"
+            )
+        elif len(taken) < 2:
+            problems.append(
+                "no column is called like a variable; say under columns which is which, as"
+                f' {{ "F (N)" = "force.value" }}; {nearest("", texts)}'
+            )
+        made = [self._column(headings[k], k, name, problems) for k, name in taken.items()]
+        for key in self.units or {}:
+            if not any(key in {c.heading, Heading.of(c.heading).name, c.name} for c in made):
+                hint = nearest(key, [c.heading for c in made])
+                problems.append(f"units: no column {printable(key)!r}; {hint}")
+        if problems:
+            raise RecordingError("\n".join(f"{path}: {where}: {p}" for p in problems))
+        return sorted(made, key=lambda column: column.name != TIME)
+
+    def _mapped(self, headings: list[Heading], problems: list[str]) -> dict[int, str]:
+        taken: dict[int, str] = {}
+        for key, name in (self.columns or {}).items():
+            if not _VARIABLE.fullmatch(name):
+                problems.append(f"columns: {printable(name)!r} is no name of a variable")
+            found = [k for k, h in enumerate(headings) if h.text == key]
+            found = found or [k for k, h in enumerate(headings) if h.name == key]
+            if not found:
+                hint = nearest(key, [h.text for h in headings if h.text])
+                problems.append(f"columns: no column {printable(key)!r}; {hint}")
+            elif len(found) > 1:
+                problems.append(
+                    f"columns: {printable(key)!r} is {len(found)} columns; say its unit"
+                )
+            elif name in taken.values() or found[0] in taken:
+                problems.append(f"columns: {printable(key)!r} and another are one and the same")
+            else:
+                taken[found[0]] = name
+        return taken
+
+    def _column(self, heading: Heading, place: int, name: str, problems: list[str]) -> Column:
+        """A column with its unit: the file's, else the scene's."""
+        units = self.units or {}
+        keys = [key for key in (heading.text, heading.name, name) if key in units]
+        given = units[keys[0]] if keys else ""
+        where = f"column {printable(heading.text)!r}"
+        if heading.unit and given and heading.unit != given:
+            problems.append(f"{where} is in {printable(heading.unit)}, under units in {given}")
+        unit = heading.unit or given
+        try:
+            parsed(unit)
+        except UnitError as error:
+            problems.append(f"{where}: {error}")
+        return Column(place, heading.text, name, unit)
+
+
+def _named(headings: list[Heading]) -> dict[int, str]:
+    """Columns that are called like a variable."""
+    return {k: h.name for k, h in enumerate(headings) if _VARIABLE.fullmatch(h.name)}
+
+
+def _belonging(path: Path, where: str, headings: list[Heading], component: str) -> list[Heading]:
+    """Headings under the names inside a component; those of others have none."""
+    prefix = f"{component}."
+    kept = [
+        Heading(h.text, h.name.removeprefix(prefix), h.unit)
+        if h.name.startswith(prefix) or h.name.lower() in CLOCKS
+        else Heading("", "", "")
+        for h in headings
+    ]
+    if not any(h.name.startswith(prefix) for h in headings):
+        owners = {h.name.partition(".")[0] for h in headings if "." in h.name}
+        raise RecordingError(
+            f"{path}: {where}: no column of component {printable(component)!r};"
+            f" {nearest(component, owners)}"
+        )
+    return kept

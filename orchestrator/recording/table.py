@@ -1,0 +1,43 @@
+"""What a file says: columns of numbers over time, each row with its place in the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = NDArray[np.float64]
+TIME = "time"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that is used: its place in the file, heading, variable and unit, "" if unsaid."""
+
+    place: int
+    heading: str
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """Values of the columns `columns` at `times` [s], NaN where a cell is empty.
+
+    `rows` counts lines of a text, or rows of a binary file from 1, as `word` says. `said` is
+    what the file tells beside its numbers.
+    """
+
+    path: Path
+    columns: list[Column]
+    times: Values
+    values: Values
+    rows: NDArray[np.int64]
+    word: str = "row"
+    said: dict[str, str] = field(default_factory=dict)
+
+    def at(self, k: int) -> str:
+        """Place of a row, to stand before an error."""
+        return f"{self.path}: {self.word} {self.rows[k]}"
