@@ -32,6 +32,9 @@ Native = Annotated[
     bool, typer.Option("--native", help="Take the parts from build/native: no Python in them.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts, nothing else.")]
+Html = Annotated[
+    Path | None, typer.Option("--html", help="Write all of it as a page that opens offline.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
 Stop = Annotated[str | None, typer.Option(help='End of the run, as "2 s" or "40 cycles".')]
 Step = Annotated[

@@ -51,6 +51,7 @@ def precision(
     stop: common.Stop = None,
     fmus: common.Library = common.BUILT,
     native: common.Native = False,
+    html: common.Html = None,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
@@ -60,7 +61,10 @@ def precision(
     """
     from ..errors import InputError
     from ..interrupt import Interrupt
+    from ..pages.page import prepare as prepare_page
+    from ..pages.page import write as write_page
     from ..studies.ladder import advice, draw, facts, table, write
+    from ..studies.ladderpage import page
     from ..studies.method import parse_method
     from ..studies.precision import LADDER
     from ..studies.precision import precision as study_precision
@@ -79,6 +83,8 @@ def precision(
         if any(not 0.0 < t < 1.0 for t in tolerance or []):
             raise InputError("--tolerance: has to be between 0 and 1")
         target.parent.mkdir(parents=True, exist_ok=True)
+        if html is not None:
+            prepare_page(html)
         study = study_precision(
             scene,
             common.library(fmus, native),
@@ -96,6 +102,8 @@ def precision(
         )
         write(study, target)
         drawn = draw(study, target.with_suffix(".svg"))
+        if html is not None:
+            write_page(page(study), html)
     if json:
         common.print_json({"reference": study.reference, "rungs": facts(study)})
     elif not quiet:
@@ -106,3 +114,5 @@ def precision(
         for line in advice(study):
             typer.echo(line)
         typer.echo(f"table:   {target}\npicture: {drawn}")
+        if html is not None:
+            typer.echo(f"page:    {html}")

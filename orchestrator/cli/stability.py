@@ -5,11 +5,14 @@ from __future__ import annotations
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from . import common
+
+if TYPE_CHECKING:
+    from ..studies.stability import Study
 
 
 def add_to(app: typer.Typer) -> None:
@@ -41,6 +44,7 @@ def stability(
     set_: common.Sets = None,
     fmus: common.Library = common.BUILT,
     native: common.Native = False,
+    html: common.Html = None,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
@@ -53,12 +57,15 @@ def stability(
     """
     from ..errors import InputError
     from ..interrupt import Interrupt
+    from ..pages.page import prepare as prepare_page
+    from ..pages.page import write as write_page
     from ..scenario import scene_names, scene_path
     from ..studies.method import parse_method
-    from ..studies.stability import CLASSES, Case, load_cases
+    from ..studies.stability import Case, load_cases
     from ..studies.stability import stability as study_stability
     from ..studies.stability.cases import shipped
-    from ..studies.stability.chart import draw, legend, table, write
+    from ..studies.stability.chart import draw, write
+    from ..studies.stability.page import page
 
     with Interrupt() as interrupt, common.reported():
         if scene is not None and (cases or case):
@@ -76,6 +83,8 @@ def stability(
             listed = load_cases(file, case)
         target = output or Path("results") / f"{'stability' if scene is None else file.stem}.csv"
         target.parent.mkdir(parents=True, exist_ok=True)
+        if html is not None:
+            prepare_page(html)
         shown = sys.stderr.isatty() and not (quiet or json)
 
         def tell(done: int, total: int) -> None:
@@ -94,23 +103,35 @@ def stability(
         )
         write(study, target)
         drawn = draw(study, target.with_suffix(".svg"))
-    count = study.count()
+        if html is not None:
+            write_page(page(study), html)
     if json:
         trials = [asdict(trial) for trial in study.trials]
-        common.print_json({"count": count, "references": study.references, "trials": trials})
+        told = {"count": study.count(), "references": study.references, "trials": trials}
+        common.print_json(told)
     elif not quiet:
-        from rich.console import Console
-
-        Console().print(table(study))
-        typer.echo(legend())
-        lines = {
-            "all": count,
-            "the scenes' own": study.count("usual"),
-            "step = auto": study.count("auto"),
-        }
-        for label, found in lines.items():
-            typer.echo(f"{label + ':':16} " + ", ".join(f"{found[k]} {k}" for k in CLASSES))
-        typer.echo(f"{study.wall_time:.0f} s, at most {study.memory / 1e6:.0f} MB a worker")
-        typer.echo(f"table:   {target}\npicture: {drawn}")
-    if count["silent"]:
+        _report(study, {"table": target, "picture": drawn, "page": html})
+    if study.count()["silent"]:
         raise typer.Exit(1)
+
+
+def _report(study: Study, files: dict[str, Path | None]) -> None:
+    """The table, what its letters mean, the counts, and where the files are."""
+    from rich.console import Console
+
+    from ..studies.stability import CLASSES
+    from ..studies.stability.chart import legend, table
+
+    Console().print(table(study))
+    typer.echo(legend())
+    lines = {
+        "all": study.count(),
+        "the scenes' own": study.count("usual"),
+        "step = auto": study.count("auto"),
+    }
+    for label, found in lines.items():
+        typer.echo(f"{label + ':':16} " + ", ".join(f"{found[k]} {k}" for k in CLASSES))
+    typer.echo(f"{study.wall_time:.0f} s, at most {study.memory / 1e6:.0f} MB a worker")
+    for label, path in files.items():
+        if path is not None:
+            typer.echo(f"{label + ':':8} {path}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,9 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.errors import InputError, SceneError
+from orchestrator.pages.page import rendered
 from orchestrator.studies.ladder import advice, draw, write
+from orchestrator.studies.ladderpage import page
 from orchestrator.studies.method import Method, parse_method
 from orchestrator.studies.precision import Study, precision
 from tests.evals.two_masses import exact, scenes
@@ -121,3 +124,23 @@ def test_the_command_writes_table_and_picture(library: Path, tmp_path: Path) -> 
     rungs = json.loads(done.stdout)["rungs"]
     assert {r["variable"] for r in rungs} >= {"payload.displacement", "spring.force.value"}
     assert sorted(p.name for p in tmp_path.iterdir()) == ["p.csv", "p.svg"]
+
+
+def test_a_page_of_all_rungs(numbers: Study) -> None:
+    """Failures with their reasons too; what a scene calls itself stays text."""
+    text = rendered(page(replace(numbers, title="<script>x</script>")))
+    assert "<script>x" not in text
+    assert text.count("<tr>") == 1 + len(numbers.rungs)
+    assert "stopped: " in text
+
+
+def test_the_command_writes_a_page(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "page.html"
+    options = ["--fmus", str(library), "--stop", "2 cycles", "--factor", "1", "--repeats", "1"]
+    method = ["--method", "gauss-seidel", "--output", str(tmp_path / "p.csv"), "--html"]
+    done = runner.invoke(app, ["precision", "oscillator-1", *options, *method, str(target)])
+    assert done.exit_code == 0, done.output
+    assert target.read_text().startswith("<!doctype html>")
+    done = runner.invoke(app, ["precision", "oscillator-1", *options, *method, str(tmp_path)])
+    assert done.exit_code == 2
+    assert "name it *.html" in done.output

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,11 +13,13 @@ from typer.testing import CliRunner
 from orchestrator.cli import app
 from orchestrator.errors import SceneError
 from orchestrator.loading import load
+from orchestrator.pages.page import rendered
 from orchestrator.simulation import run
 from orchestrator.studies.method import Method
-from orchestrator.studies.stability import Study, load_cases, stability
+from orchestrator.studies.stability import CLASSES, Study, load_cases, stability
 from orchestrator.studies.stability.cases import plan_of, shipped
 from orchestrator.studies.stability.chart import draw, write
+from orchestrator.studies.stability.page import page
 from orchestrator.studies.stability.verdict import judged
 
 runner = CliRunner()
@@ -89,6 +92,16 @@ def test_table_and_heat_maps(study: Study, tmp_path: Path) -> None:
     assert draw(study, tmp_path / "s.svg").read_text().startswith("<?xml")
 
 
+def test_a_page_of_all_trials(study: Study) -> None:
+    """A row for each case and master, and the reasons of what stopped."""
+    text = rendered(page(replace(study, references={"easy": "<b>"})))
+    rows = {(t.case, t.master, t.laws) for t in study.trials}
+    laws = {t.laws for t in study.trials}
+    assert text.count("<tr>") == 1 + len(CLASSES) + len(laws) + len(rows)
+    assert "dropped out" in text
+    assert "easy: &lt;b&gt;" in text
+
+
 def test_shipped_cases_are_whole(library: Path) -> None:
     """Every case of the list that comes with the package is a scene that loads."""
     cases = load_cases(shipped())
@@ -137,6 +150,10 @@ def test_the_command(library: Path, tmp_path: Path) -> None:
     done = runner.invoke(app, ["stability", *chosen, *options, "--json"])
     assert done.exit_code == 0, done.output
     assert json.loads(done.stdout)["count"]["stopped"] == 3
+    done = runner.invoke(app, ["stability", *chosen, *options, "--html", str(tmp_path / "s.html")])
+    assert done.exit_code == 0, done.output
+    assert "page: " in done.output
+    assert (tmp_path / "s.html").read_text().endswith("</html>\n")
     both = runner.invoke(app, ["stability", "oscillator-1", *chosen, *options])
     assert both.exit_code == 2
     assert "not both" in both.output

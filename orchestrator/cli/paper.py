@@ -1,0 +1,106 @@
+"""`resilin paper`: the paper's figures and tables from runs, beside its own numbers."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import common
+
+if TYPE_CHECKING:
+    from ..paper.reproduction import Reproduction
+
+TARGET = Path("results") / "paper" / "paper.html"
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("paper")(paper)
+
+
+def paper(
+    items: Annotated[
+        list[str] | None,
+        typer.Argument(help="figure3, figure7, table1, figure8, table2, ...; all if not given."),
+    ] = None,
+    output: Annotated[
+        Path, typer.Option(help="HTML page; pictures and finished runs go beside it.")
+    ] = TARGET,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes; as many as processors if not given.")
+    ] = None,
+    fmus: common.Library = common.BUILT,
+    native: Annotated[
+        bool | None,
+        typer.Option(help="Parts from build/native; by default if all parts are there."),
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="Draw a PNG and an SVG of every figure.")] = True,
+    json: common.Json = False,
+    quiet: common.Quiet = False,
+) -> None:
+    """Reproduce the paper: run what its figures and tables need, write one page that says how near.
+
+    Finished runs are kept beside the page and not repeated while scene, FMUs and version stay.
+
+    Example: resilin paper figure11 equation6
+    """
+    from ..interrupt import Interrupt
+    from ..pages.page import prepare, write
+    from ..paper.lab import Lab
+    from ..paper.report import facts, page
+    from ..paper.report import pictures as drawn
+    from ..paper.reproduction import chosen, reproduced
+    from ..paper.store import Store
+
+    shown = sys.stderr.isatty() and not (quiet or json)
+
+    def tell(done: int, total: int) -> None:
+        if shown:
+            typer.echo(f"\r{done} of {total} runs ", nl=done == total, err=True)
+
+    with Interrupt() as interrupt, common.reported():
+        names = chosen(items or [])
+        parts = _library(fmus, native)
+        prepare(output)
+        runs = Store(output.with_name(f"{output.stem}.runs"))
+        with Lab(parts, runs, workers, interrupt.check, tell) as lab:
+            found = reproduced(names, lab)
+        written = write(page(found, parts), output)
+        files = drawn(found, output.parent) if pictures else []
+    if json:
+        told = {"page": str(written), "pictures": [str(path) for path in files]}
+        common.print_json(told | facts(found))
+    elif not quiet:
+        _report(found)
+        typer.echo(f"{found.ran} runs, {found.wall_time:.1f} s\npage:    {written}")
+    for failure in found.failures:
+        typer.echo(f"resilin: {failure}", err=True)
+    if found.failures:
+        raise typer.Exit(1)
+
+
+def _library(fmus: Path, native: bool | None) -> Path:
+    """Where the parts are: those without Python if they are all there and nothing else is said."""
+    if native is None and fmus == common.BUILT:
+        wanted = {"aero", "amplifier", "linkage", "membrane", "payload", "spring"}
+        native = wanted <= {path.stem for path in common.COMPILED.glob("*.fmu")}
+    return common.library(fmus, bool(native))
+
+
+def _report(found: Reproduction) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from ..errors import printable
+    from ..paper.report import texts
+
+    table = Table("quantity", "reading", "paper", "ours", "error", "mark")
+    for item in found.items:
+        for row in item.rows:
+            paper, ours, error = texts(row)
+            cells = (row.number.quantity, row.reading, paper, ours, error, row.mark.kind)
+            table.add_row(*(printable(cell) for cell in cells))
+    Console().print(table)

@@ -1,0 +1,78 @@
+"""A figure of a page as a file by itself: PNG, SVG, whatever matplotlib writes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..errors import OutputError, printable
+from .plot import Axis, Figure, Plot
+
+STYLES = {"line": "-", "dashed": "--", "points": "", "line-points": "-", "stated": ""}
+MARKERS = "osd^v<>P"
+
+
+def draw(figure: Figure, paths: Sequence[Path]) -> list[Path]:
+    """Draw the plots one below the other into each of the files."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    sheet, axes = pyplot.subplots(
+        len(figure.plots), 1, figsize=(7.5, 0.6 + 3.1 * len(figure.plots)), squeeze=False
+    )
+    for axis, plot in zip(axes[:, 0], figure.plots, strict=True):
+        _panel(axis, plot)
+    sheet.suptitle(_plain(figure.title), fontsize=10)
+    sheet.tight_layout()
+    try:
+        for path in paths:
+            waiting = path.with_name(f".{path.stem}.part{path.suffix}")
+            try:
+                with matplotlib.rc_context({"svg.hashsalt": figure.key}):
+                    sheet.savefig(waiting, dpi=130, metadata=_undated(path))
+                waiting.replace(path)
+            finally:
+                waiting.unlink(missing_ok=True)
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{paths[0].parent}: cannot be drawn into ({error})") from None
+    finally:
+        pyplot.close(sheet)
+    return list(paths)
+
+
+def _panel(axis: Any, plot: Plot) -> None:
+    for k, curve in enumerate(plot.curves):
+        marker = MARKERS[k % len(MARKERS)] if "points" in curve.style else ""
+        colour = f"C{k % 10}"
+        if curve.style == "stated":
+            marker, colour = "x", "k"
+        axis.plot(
+            list(curve.x), list(curve.y), STYLES[curve.style], label=_plain(curve.name), lw=1.3,
+            color=colour, marker=marker, ms=6 if curve.style == "stated" else 4,
+        )  # fmt: skip
+    axis.set_title(_plain(plot.title), fontsize=9)
+    _scaled(axis.set_xlabel, axis.set_xscale, axis.set_xlim, plot.x)
+    _scaled(axis.set_ylabel, axis.set_yscale, axis.set_ylim, plot.y)
+    axis.grid(visible=True, alpha=0.3)
+    if len(plot.curves) > 1:
+        axis.legend(fontsize=7)
+
+
+def _scaled(label: Any, scale: Any, limits: Any, axis: Axis) -> None:
+    label(_plain(axis.label))
+    if axis.log:
+        scale("log")
+    if axis.least is not None or axis.most is not None:
+        limits(axis.least, axis.most)
+
+
+def _plain(text: str) -> str:
+    """A stranger's text, which matplotlib would read as formulas between dollars."""
+    return printable(text).replace("$", r"\$")
+
+
+def _undated(path: Path) -> dict[str, Any]:
+    return {"Date": None} if path.suffix == ".svg" else {}

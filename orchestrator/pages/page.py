@@ -1,0 +1,137 @@
+"""A page: title, facts and sections, rendered by escaping templates into one file.
+
+Texts come from scenes, FMUs and files of strangers: jinja2 escapes all of them, data stand in
+`<script type="application/json">` without any `<`, and the Content-Security-Policy lets
+the page's own style and script run, by their digests, and nothing reach the network.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from ..errors import OutputError
+from .plot import Figure
+from .table import Table
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+TEMPLATES = Path(__file__).parent / "templates"
+
+
+@dataclass(frozen=True)
+class Words:
+    """Paragraphs."""
+
+    kind: ClassVar[str] = "words"
+    paragraphs: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Notes:
+    """A list of remarks."""
+
+    kind: ClassVar[str] = "notes"
+    items: Sequence[str]
+
+
+Part = Words | Notes | Table | Figure
+
+
+@dataclass(frozen=True)
+class Section:
+    """What stands under one heading. `key` is its anchor, as in `#figure3`."""
+
+    key: str
+    title: str
+    parts: Sequence[Part]
+
+
+@dataclass(frozen=True)
+class Page:
+    """The whole of it. `facts` are pairs of a name and a text: versions, parts, times."""
+
+    title: str
+    lead: str
+    sections: Sequence[Section]
+    facts: Sequence[tuple[str, str]] = field(default_factory=tuple)
+
+
+def rendered(page: Page) -> str:
+    """The page as one HTML text."""
+    style, script = _own("page.css"), _own("page.js")
+    return _environment().get_template("page.html").render(
+        page=page, style=style, script=script, style_digest=_digest(style),
+        script_digest=_digest(script),
+    )  # fmt: skip
+
+
+def write(page: Page, path: Path) -> Path:
+    """Write a page to `path`: whole under its name, or not there."""
+    waiting = path.with_name(f".{path.name}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        waiting.write_text(rendered(page), encoding="utf-8", errors="backslashreplace")
+        waiting.replace(path)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+    finally:
+        if path.parent.is_dir():
+            waiting.unlink(missing_ok=True)
+    return path
+
+
+def prepare(path: Path) -> None:
+    """See that a page can be written to `path`, before any work is done for it."""
+    if path.suffix.lower() not in {".html", ".htm"}:
+        raise OutputError(f"{path}: pages are HTML files; name it *.html")
+    if path.is_dir():
+        raise OutputError(f"{path}: is a folder; name a file")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path.parent}: cannot be made ({error.strerror})") from None
+
+
+def anchor(text: str) -> str:
+    """A text as an anchor: letters, digits and `-`."""
+    return re.sub(r"[^A-Za-z0-9]+", "-", text).strip("-").lower() or "part"
+
+
+def embedded(data: Any) -> str:
+    """JSON that can stand in a script element: nothing in it can end that element."""
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    for character in "<>&":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return text
+
+
+def _own(name: str) -> str:
+    return (TEMPLATES / name).read_text(encoding="utf-8")
+
+
+def _digest(text: str) -> str:
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+
+
+@cache
+def _environment() -> Environment:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    made = Environment(
+        loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
+    )  # fmt: skip
+    made.filters["anchor"] = anchor
+    made.filters["embedded"] = lambda data: Markup(embedded(data))
+    made.filters["own"] = Markup
+    return made

@@ -1,0 +1,80 @@
+"""A plot of a page: curves over axes, as data; the page's script and matplotlib draw the same."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+Style = Literal["line", "dashed", "points", "line-points", "stated"]
+DIGITS = 6
+"""Significant digits of what a page carries: more than a screen has pixels."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A label with its unit; the ends of what is shown, where the data are not to say."""
+
+    label: str
+    log: bool = False
+    least: float | None = None
+    most: float | None = None
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A named run of points; one that is no finite number leaves a gap.
+
+    `stated` ones are crosses in the colour of the text: what others say.
+    """
+
+    name: str
+    x: Sequence[float]
+    y: Sequence[float]
+    style: Style = "line"
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Curves over one pair of axes."""
+
+    title: str
+    x: Axis
+    y: Axis
+    curves: Sequence[Curve]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Plots that belong together. `key` names the section's anchor and the picture's file."""
+
+    kind: ClassVar[str] = "figure"
+    key: str
+    title: str
+    caption: str
+    plots: Sequence[Plot]
+
+    def data(self) -> list[dict[str, Any]]:
+        """The plots as JSON has them, in the order that the page's script reads."""
+        return [
+            {
+                "title": plot.title,
+                "x": _axis(plot.x),
+                "y": _axis(plot.y),
+                "curves": [
+                    {"name": c.name, "style": c.style, "x": short(c.x), "y": short(c.y)}
+                    for c in plot.curves
+                ],
+            }
+            for plot in self.plots
+        ]
+
+
+def short(values: Iterable[float]) -> list[float | None]:
+    """Numbers to `DIGITS` significant digits; None for what is no finite number."""
+    return [float(f"{v:.{DIGITS}g}") if math.isfinite(v) else None for v in map(float, values)]
+
+
+def _axis(axis: Axis) -> dict[str, Any]:
+    return {"label": axis.label, "log": axis.log, "least": axis.least, "most": axis.most}

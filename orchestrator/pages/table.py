@@ -1,0 +1,47 @@
+"""A table of a page: columns that can be sorted, cells that may be badges or links."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+Tone = Literal["plain", "green", "amber", "blue", "red", "grey"]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One text of a row. `sort` is what it is ordered by, where that is not the text.
+
+    A `tone` makes it a badge; `link` is the key of a section or figure of the same page;
+    `note` is said in smaller letters below.
+    """
+
+    text: str
+    sort: float | None = None
+    tone: Tone = "plain"
+    link: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A heading; numbers stand to the right and sort downwards first."""
+
+    title: str
+    number: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under columns."""
+
+    kind: ClassVar[str] = "table"
+    title: str
+    columns: Sequence[Column]
+    rows: Sequence[Sequence[Cell]]
+
+
+def quantity(value: float, text: str, note: str = "", link: str = "") -> Cell:
+    """A number as it is shown, sorted by its value."""
+    return Cell(text, value, link=link, note=note)

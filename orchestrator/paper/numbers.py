@@ -1,0 +1,81 @@
+"""What the paper states, and what our number beside it is: read from `scenarios/paper/`."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any, Literal
+
+MarkKind = Literal["predicted", "calibrated", "undecidable", "arithmetic"]
+
+SCALES = {
+    "1": 1.0, "%": 1e-2, "mm": 1e-3, "Hz": 1.0, "deg": math.pi / 180.0, "N/m": 1.0, "mW": 1e-3,
+    "W": 1.0, "W/kg": 1.0, "mg": 1e-6,
+}  # fmt: skip
+"""What a number in the paper's unit is multiplied by to be SI."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A statement of the paper: a number in its own `unit`, or a claim in words."""
+
+    quantity: str
+    value: float | str
+    unit: str
+    kind: str
+    where: str
+
+    @property
+    def scale(self) -> float:
+        """SI units in one of the paper's."""
+        return SCALES[self.unit]
+
+
+@dataclass(frozen=True)
+class Mark:
+    """What our number rests on: `calibrated` ones are no predictions, whatever their error."""
+
+    kind: MarkKind
+    basis: str
+
+
+def number(key: str) -> Number:
+    """The paper's statement under `item.name`."""
+    found = _entry("numbers", key)
+    return Number(
+        *(str(found["quantity"]), found["value"], str(found.get("unit", "1"))),
+        *(str(found["kind"]), str(found["where"])),
+    )
+
+
+def mark(key: str) -> Mark:
+    """The mark under `item.name`; `item.name_3` may be told by `item.name` for all of its kind."""
+    item, _, name = key.partition(".")
+    known = _read("marks")[item]
+    found = known.get(name) or known[name.rpartition("_")[0]]
+    return Mark(found["mark"], str(found["basis"]))
+
+
+def given(name: str) -> Any:
+    """A design value of the paper, SI."""
+    return _read("numbers")["given"][name]
+
+
+def keys(item: str) -> list[str]:
+    """Names of all that the paper states for one item."""
+    return [f"{item}.{name}" for name in _read("numbers").get(item, {})]
+
+
+def _entry(file: str, key: str) -> dict[str, Any]:
+    item, _, name = key.partition(".")
+    found: dict[str, Any] = _read(file)[item][name]
+    return found
+
+
+@cache
+def _read(file: str) -> dict[str, Any]:
+    text = (resources.files("scenarios") / "paper" / f"{file}.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)

@@ -1,0 +1,83 @@
+"""Table 2: power at resonance, its ratio to two layers, per mass, and the amplifier's limit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from .item import Item, Row, row
+from .lab import Lab, Measured
+from .measures import gross, net, power
+from .numbers import given, number
+from .spectrum import Spectrum, doubt
+from .stacks import DEFINITION, LAYERS, stacks
+
+POSITIVE, MAGNITUDE = "mean of the positive part", "mean of the magnitude"
+READINGS = ((POSITIVE, 1.0), (MAGNITUDE, 2.0))
+
+
+def table2(lab: Lab) -> Item:
+    """The peaks of figure 8's sweeps, in both readings of the power."""
+    found = dict(zip(LAYERS, stacks(lab), strict=True))
+    tops: dict[int, Measured] = {}
+    for n, spectrum in found.items():
+        peak = spectrum.peak(power)
+        if peak is not None:
+            tops[n] = doubt(lab, spectrum, peak, power)
+    rows: list[Row] = []
+    for n, top in tops.items():
+        for reading, times in READINGS:
+            each = Measured(times * top.value, times * top.doubt, top.wall_time)
+            rows.append(row(f"table2.power_{n}", each, f"power-{n}", reading))
+    rows += [_ratio(n, tops) for n in LAYERS[1:] if n in tops and LAYERS[0] in tops]
+    for n, top in tops.items():
+        mass = given("cones") * n * given("layer_mass")
+        for reading, times in READINGS:
+            each = Measured(times * top.value / mass, times * top.doubt / mass, top.wall_time)
+            rows.append(row(f"table2.specific_{n}", each, f"power-{n}", reading))
+    words = [DEFINITION]
+    if LAYERS[-1] in tops:
+        more, said = _limit(lab, found[LAYERS[-1]])
+        rows += more
+        words.append(said)
+    failures = [text for spectrum in found.values() for text in spectrum.failures]
+    return Item("table2", "Table 2: power at resonance", words, rows, (), failures)
+
+
+def _ratio(n: int, tops: dict[int, Measured]) -> Row:
+    one, other = tops[n], tops[LAYERS[0]]
+    ratio = one.value / other.value
+    wrong = ratio * (one.doubt / one.value + other.doubt / other.value)
+    found = Measured(ratio, wrong, one.wall_time + other.wall_time)
+    return row(f"table2.ratio_{n}", found, f"power-{n}")
+
+
+def _limit(lab: Lab, spectrum: Spectrum) -> tuple[list[Row], str]:
+    """What the amplifier gives at the largest stack's peak, and what a limit of it would cost."""
+    peak = spectrum.peak(power)
+    assert peak is not None
+    near = min(spectrum.frequencies, key=lambda f: abs(f - peak.at))
+    job, scene = spectrum.sweep.job(near), spectrum.sweep.scene
+    names = ("amplifier.*.voltage", "amplifier.top_current", "amplifier.bottom_current")
+    electric = replace(job, record=names, keep=names, per_cycle=240)
+    rows = [
+        row("table2.limit", lab.measured(electric, gross), scene, "gross, nothing taken back"),
+        row("table2.limit", lab.measured(job, net), scene, "net, charge taken back"),
+    ]
+    most = float(number("table2.limit").value)
+    limited = {
+        f"{watts:g} W for each channel": replace(
+            job, changes={**job.changes, "amplifier.power_limit": f"{watts} W"}
+        )
+        for watts in (most, 0.5 * most)
+    }
+    free, *kept = lab.answers([job, *limited.values()])
+    told = "; ".join(
+        f"with {name}: {100 * (power(answer) / power(free) - 1):+.1f} % of mechanical power"
+        if answer.status == "done"
+        else f"with {name}: {answer.reason}"
+        for name, answer in zip(limited, kept, strict=True)
+    )
+    return rows, (
+        f"The paper's amplifier gives 1 W at most; the scenes set no limit. At {near:g} Hz and"
+        f" {LAYERS[-1]} layers, {told}."
+    )
