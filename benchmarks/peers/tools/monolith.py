@@ -48,7 +48,7 @@ class Monolith(Tool):
                 end = min(stop, amplifier.next_event(composition.amplifier, begin))
                 inside = [t for t in points if begin < t <= end]
                 solved = solve_ivp(
-                    equations.right_hand_side(composition, still, 0.5 * (begin + end)),
+                    physics.right_hand_side(composition, still, 0.5 * (begin + end)),
                     (begin, end), y, method=method, rtol=case.rtol, atol=atol,
                     t_eval=sorted({*inside, end}),
                 )  # fmt: skip
