@@ -21,9 +21,10 @@ import numpy as np
 
 from orchestrator.archive import extract
 from orchestrator.interface import read_interface
+from orchestrator.loading import load
 from orchestrator.masters import GaussSeidel
 from orchestrator.plan import LIBRARY, NATIVE
-from orchestrator.simulation import advance, load
+from orchestrator.simulation import advance
 from orchestrator.system import System
 from orchestrator.unit import Local, in_process
 

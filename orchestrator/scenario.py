@@ -330,13 +330,16 @@ def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]
 
 
 def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
-    """Recordings of an extended scene stay beside it, wherever the scene that extends it is."""
+    """Files of an extended scene stay beside it, wherever the scene that extends it is."""
     folder = base_path.resolve().parent
     if folder == path.resolve().parent:
         return
     for component in base.get("components", {}).values():
         if isinstance(component.get("data"), str):
             component["data"] = str(folder / component["data"])
+        fmu = component.get("fmu")
+        if isinstance(fmu, str) and (fmu.endswith(".fmu") or "/" in fmu):
+            component["fmu"] = str(folder / fmu)
 
 
 def _read(path: Path) -> dict[str, Any]:

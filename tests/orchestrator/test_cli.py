@@ -146,7 +146,20 @@ def test_warnings_are_shown(library: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "command",
-    ["run", "sweep", "precision", "stability", "linearise", "inspect", "plot", "recover", "schema"],
+    [
+        "run",
+        "sweep",
+        "precision",
+        "stability",
+        "linearise",
+        "calibrate",
+        "paper",
+        "inspect",
+        "plot",
+        "record",
+        "recover",
+        "schema",
+    ],
 )
 def test_every_command_shows_an_example(command: str) -> None:
     done = runner.invoke(app, [command, "--help"])

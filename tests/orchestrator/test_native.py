@@ -10,8 +10,9 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.errors import FmuError
+from orchestrator.loading import load
 from orchestrator.reference import monolithic
-from orchestrator.simulation import load, run
+from orchestrator.simulation import run
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.errors import SceneError
+from orchestrator.loading import load
 from orchestrator.scenario import load_scenario, scene_names
 
 
@@ -62,3 +63,18 @@ def test_overrides_from_the_command_line() -> None:
     assert scenario.master.laws == "held"
     with pytest.raises(SceneError, match="did you mean 'payload'"):
         load_scenario("oscillator-2", {"paylod.mass": "3 g"})
+
+
+def test_an_fmu_by_path_is_found_beside_the_scene_that_names_it(
+    library: Path, tmp_path: Path
+) -> None:
+    """Also where a scene in another folder extends that one."""
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    (inner / "mine.fmu").write_bytes((library / "payload.fmu").read_bytes())
+    (inner / "base.toml").write_text(
+        'extends = "oscillator-1"\n[components.payload]\nfmu = "./mine.fmu"\n'
+    )
+    top = tmp_path / "top.toml"
+    top.write_text('extends = "inner/base.toml"\n[time]\nstop = "2 cycles"\n')
+    assert load(top, None, library).interfaces["payload"].path.samefile(inner / "mine.fmu")
