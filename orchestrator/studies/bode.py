@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, OutputError, printable
+from ..errors import InputError, printable
 from ..linear.model import Linear
+from .files import save_figure
 
 MOST = 8
 
@@ -91,10 +92,4 @@ def draw(
             axis.axvline(frequency, color="k", ls=":", lw=0.8)
     axes[0].legend(fontsize=7)
     figure.tight_layout()
-    try:
-        figure.savefig(path, dpi=110)
-    except (OSError, ValueError) as error:
-        raise OutputError(f"{path}: cannot be drawn ({error})") from None
-    finally:
-        pyplot.close(figure)
-    return path
+    return save_figure(figure, path, 110)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import OutputError, printable
+from ..errors import printable
+from .files import save_figure, write_records
 from .precision import TARGETS, Rung, Study
 
 if TYPE_CHECKING:
@@ -87,25 +87,7 @@ def facts(study: Study) -> list[dict[str, Any]]:
 
 def write(study: Study, path: Path) -> Path:
     """All records as CSV; a text that a spreadsheet would compute is quoted away."""
-    records = facts(study)
-    waiting = path.with_name(f".{path.name}.part")
-    try:
-        with waiting.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.DictWriter(file, records[0])
-            writer.writeheader()
-            for record in records:
-                writer.writerow({key: _safe(value) for key, value in record.items()})
-        waiting.replace(path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
-    finally:
-        waiting.unlink(missing_ok=True)
-    return path
-
-
-def _safe(value: Any) -> Any:
-    text = isinstance(value, str)
-    return f"'{value}" if text and value[:1] in ("=", "+", "-", "@", "\t") else value
+    return write_records(facts(study), path)
 
 
 def draw(study: Study, path: Path) -> Path:
@@ -136,10 +118,4 @@ def draw(study: Study, path: Path) -> Path:
     axes[0].legend(fontsize=7)
     figure.suptitle(printable(study.title).replace("$", r"\$"), fontsize=10)
     figure.tight_layout()
-    try:
-        figure.savefig(path, dpi=120)
-    except (OSError, ValueError) as error:
-        raise OutputError(f"{path}: cannot be drawn ({error})") from None
-    finally:
-        pyplot.close(figure)
-    return path
+    return save_figure(figure, path, 120)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...errors import OutputError, printable
+from ...errors import printable
+from ..files import save_figure, write_records
 from .study import Study
 from .verdict import CLASSES, Trial
 
@@ -57,19 +57,8 @@ def _rows(study: Study) -> list[tuple[tuple[str, str], list[Trial]]]:
 
 
 def write(study: Study, path: Path) -> Path:
-    """Every trial as a line of CSV."""
-    waiting = path.with_name(f".{path.name}.part")
-    try:
-        with waiting.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.DictWriter(file, list(asdict(study.trials[0])))
-            writer.writeheader()
-            writer.writerows(asdict(trial) for trial in study.trials)
-        waiting.replace(path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
-    finally:
-        waiting.unlink(missing_ok=True)
-    return path
+    """Every trial as a line of CSV; a text that a spreadsheet would compute is quoted away."""
+    return write_records([asdict(trial) for trial in study.trials], path)
 
 
 def draw(study: Study, path: Path) -> Path:
@@ -105,10 +94,4 @@ def draw(study: Study, path: Path) -> Path:
     handles = [Patch(color=COLOURS[kind], label=f"{kind}: {CLASSES[kind]}") for kind in kinds]
     figure.legend(handles=handles, loc="lower center", ncols=2, fontsize=7)
     figure.tight_layout(rect=(0.0, 0.6 / (1.5 + 0.22 * len(cases)), 1.0, 1.0))
-    try:
-        figure.savefig(path, dpi=130)
-    except (OSError, ValueError) as error:
-        raise OutputError(f"{path}: cannot be drawn ({error})") from None
-    finally:
-        pyplot.close(figure)
-    return path
+    return save_figure(figure, path, 130)
