@@ -11,7 +11,7 @@ import difflib
 import re
 import reprlib
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -275,11 +275,11 @@ def load_scenario(
     :class:`SceneError` with every problem found.
     """
     path = scene_path(str(name))
-    return scenario_of(_read(path), path, changes, **options), path
+    return scenario_of(read_toml(path), path, changes, **options), path
 
 
 def scenario_of(
-    tree: dict[str, Any], path: Path, changes: dict[str, str] | None = None, **options: Any
+    tree: dict[str, Any], path: Path, changes: Mapping[str, Any] | None = None, **options: Any
 ) -> Scenario:
     """The same from a tree that stands in a file at `path`, from which others are found."""
     try:
@@ -308,7 +308,7 @@ def _merged(path: Path, seen: list[Path]) -> dict[str, Any]:
     if resolved in seen or len(seen) > DEEPEST_EXTENDS:
         chain = " -> ".join(p.name for p in [*seen, resolved])
         raise SceneError(f"{path}: extends itself: {chain}")
-    return _based(_read(path), path, [*seen, resolved])
+    return _based(read_toml(path), path, [*seen, resolved])
 
 
 def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]:
@@ -342,7 +342,7 @@ def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
             component["fmu"] = str(folder / fmu)
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
     """TOML of one file, with line and caret where it is not TOML."""
     try:
         if path.stat().st_size > LARGEST_FILE:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -10,7 +9,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from ...errors import SceneError, nearest
-from ...scenario import Quantity, Text
+from ...scenario import Quantity, Text, read_toml
 
 SHIPPED = "cases/calibration.toml"
 
@@ -84,18 +83,14 @@ def shipped() -> Path:
 
 def load_fits(path: Path, names: list[str] | None = None) -> list[Fit]:
     """Fits of a file, or those that are named; `SceneError` with what is wrong."""
+    tree = read_toml(path)
     try:
-        tree = tomllib.loads(path.read_text(encoding="utf-8-sig"))
         fits = _List.model_validate(tree).fits
-    except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: cannot be read as UTF-8 text ({error})") from None
     except ValidationError as error:
         raise SceneError(
             f"{path}: {'.'.join(map(str, e['loc']))}: {e['msg']}"
             for e in error.errors(include_url=False)
         ) from None
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise SceneError(f"{path}: not TOML: {error}") from None
     known = [fit.name for fit in fits]
     for name in names or []:
         if name not in known:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from ...errors import SceneError, nearest
 from ...loading import planned
 from ...plan import LIBRARY, Plan
-from ...scenario import Quantity, Text, scenario_of
+from ...scenario import Quantity, Text, read_toml, scenario_of
 from ..yardstick import Reference
 
 LADDER = (4, 8, 16, 32, 64, 128, 256, 512, 1024)
@@ -51,12 +50,7 @@ def shipped() -> Path:
 
 def load_cases(path: Path, names: list[str] | None = None) -> list[Case]:
     """Cases of a TOML file, or those of them that are named; `SceneError` with what is wrong."""
-    try:
-        tree = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: cannot be read as UTF-8 text ({error})") from None
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise SceneError(f"{path}: not TOML: {error}") from None
+    tree = read_toml(path)
     try:
         cases = _List.model_validate(tree).cases
     except ValidationError as error:
@@ -81,12 +75,8 @@ def plan_of(
     if per_cycle is not None:
         time["step"] = per_cycle if per_cycle == "auto" else {"per_cycle": per_cycle}
     scene = {"title": case.title, **case.scene}
-    scenario = scenario_of(scene, path, {key: _text(v) for key, v in case.set.items()}, time=time)
+    scenario = scenario_of(scene, path, case.set, time=time)
     plan = planned(scenario, path, library)
     if plan.frequency is None:
         raise SceneError(f"{path}: {case.name}: steps in a cycle need time.frequency")
     return plan
-
-
-def _text(value: float | str | bool) -> Any:
-    return value
