@@ -3,6 +3,7 @@
     python build_fmus.py                                  every part, if it has changed
     python build_fmus.py linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
     python build_fmus.py --native                         the same parts without Python in them
+    python build_fmus.py --recording bench.csv --as bench a measurement as an FMU of its own
 
 Each FMU carries its own copy of the sources it needs as a package named after the FMU and
 the digest of those sources, so that two builds of one part can live in one process. The
@@ -115,6 +116,96 @@ def source_files(part: Any) -> dict[str, bytes]:
     return files
 
 
+def open_recorded(path: Path, name: str, settings: dict[str, str]) -> Any:
+    """A recording with the keys that a scene's component may have, as texts.
+
+    Raises :class:`BuildError` with what is wrong of the keys or of the file.
+    """
+    from orchestrator.errors import RecordingError, SceneError
+    from orchestrator.recording import open_recording
+    from orchestrator.scenario import scenario_of
+
+    component: dict[str, Any] = {"data": str(path.absolute())}
+    for key, text in settings.items():
+        table, dot, heading = key.partition(".")
+        if dot:
+            component.setdefault(table, {})[heading] = text
+        else:
+            component[key] = {"true": True, "false": False}.get(text, text)
+    try:
+        scenario = scenario_of({"components": {name: component}}, path)
+        return open_recording(scenario.components[name], path)
+    except (SceneError, RecordingError) as error:
+        raise BuildError(str(error).replace(f"{path}: components.{name}.", "--set ")) from None
+
+
+def recorded_starts(part: Any, recording: Any) -> dict[str, float]:
+    """Start values of a replay: its offset, its cycle, and what holds outside of the record."""
+    choices = {v.name: v.quantity.choices for v in part.variables}
+    starts = {"offset": float(recording.offset), "frequency": float(recording.frequency or 0.0)}
+    if not recording.track.period:
+        for key in ("before", "after"):
+            starts[key] = float(choices[key].index(getattr(recording, key)) + 1)
+    return starts
+
+
+def recorded_files(recording: Any) -> dict[str, bytes]:
+    """Sources of a replay that are made from a recording, in SI."""
+    import numpy as np
+
+    from fmus.replay.making import Record, Told, files
+    from orchestrator.errors import printable
+
+    track = recording.track
+    scales = np.ones(len(track.last))
+    outputs = []
+    for variable, (how, column, rate) in zip(
+        recording.interface.variables.values(), recording.sources, strict=True
+    ):
+        unit, scale = _in_si(variable.unit)
+        if how == "column":
+            scales[column] = scale
+        outputs.append(
+            Told(
+                *(variable.name, unit, printable(variable.description)),
+                *(variable.port, variable.order, how, column, rate),
+            )
+        )
+    record = Record(
+        outputs=outputs,
+        knots=track.knots,
+        pieces=track.pieces * scales,
+        last=track.last * scales,
+        first=track.first * scales,
+        second=track.second * scales * scales,
+        events=recording.events,
+        period=track.period,
+        grain=track.grain,
+    )
+    try:
+        return files(record)
+    except ValueError as error:
+        raise BuildError(f"{recording.interface.path}: {error}") from None
+
+
+def _in_si(unit: str) -> tuple[str, float]:
+    """Unit in SI as FMI writes it, and how many of it one is; "" stays unsaid."""
+    from fmus.units import exponents
+    from orchestrator.units import UnitError, in_base
+
+    if not unit:
+        return "", 1.0
+    try:
+        exponents(unit)
+        return unit, 1.0
+    except ValueError:
+        pass
+    try:
+        return in_base(unit)
+    except UnitError as error:
+        raise BuildError(str(error)) from None
+
+
 def digest_of(
     name: str, files: dict[str, bytes], starts: dict[str, float], exporter: list[str]
 ) -> str:
@@ -156,6 +247,7 @@ def build(
     alias: str | None = None,
     changes: dict[str, str] | None = None,
     data: Path | None = None,
+    recording: Any = None,
     into: Path | None = None,
     force: bool = False,
     native: bool = False,
@@ -164,9 +256,9 @@ def build(
     """Build one part, or reuse the file that stands for the same sources.
 
     `alias` names the FMU, `changes` gives start values as texts with units, `data` takes
-    the place of the data file that the part's tables are made from. `native` compiles the
-    part, for `platforms` or for this machine's. The file appears whole
-    or not at all, and only if fmpy finds nothing to complain about.
+    the place of the data file that the part's tables are made from, `recording` that of the
+    sample that `replay` plays. `native` compiles the part, for `platforms` or for this machine's.
+    The file appears whole or not at all, and only if fmpy finds nothing to complain about.
     """
     from importlib.metadata import version
 
@@ -182,17 +274,7 @@ def build(
     title = alias or name
     if not title.isidentifier():
         raise BuildError(f"{title!r} cannot name an FMU: use letters, digits and underscores")
-    starts = changed_starts(part, changes or {})
-    files = source_files(part)
-    if data is not None:
-        if not part.generated:
-            raise BuildError(f"{name} has no data file to replace")
-        try:
-            text = data.read_bytes()
-            text.decode()
-        except (OSError, UnicodeDecodeError) as error:
-            raise BuildError(f"{data}: cannot be read as UTF-8 text ({error})") from None
-        files.update({origin: text for origin, _ in part.generated.values()})
+    starts, files = _sources(part, changes or {}, data, recording)
     digest = digest_of(title, files, starts, exporter)
     guid = str(uuid.UUID(digest[:32]))
     target = into / f"{title}.fmu"
@@ -219,6 +301,27 @@ def build(
         shutil.copyfile(sealed, partial)
         partial.replace(target)
     return _described(title, target, guid, fresh=True)
+
+
+def _sources(
+    part: Any, changes: dict[str, str], data: Path | None, recording: Any
+) -> tuple[dict[str, float], dict[str, bytes]]:
+    """Start values that differ from the part's, and the texts that the FMU is made of."""
+    starts = changed_starts(part, changes)
+    files = source_files(part)
+    if data is not None:
+        if not part.generated:
+            raise BuildError(f"{part.name} has no data file to replace")
+        try:
+            text = data.read_bytes()
+            text.decode()
+        except (OSError, UnicodeDecodeError) as error:
+            raise BuildError(f"{data}: cannot be read as UTF-8 text ({error})") from None
+        files.update({origin: text for origin, _ in part.generated.values()})
+    if recording is not None:
+        starts = recorded_starts(part, recording) | starts
+        files.update(recorded_files(recording))
+    return starts, files
 
 
 def _stage(
@@ -264,11 +367,22 @@ def _stage(
 
 
 def _export(script: Path, into: Path) -> Path:
-    """Run the exporter on a staged script."""
-    from pythonfmu import FmuBuilder
+    """Run the exporter on a staged script.
+
+    An FMU that this process has loaded brings an exporter of its own, without the libraries:
+    the one that is installed is put in its place for as long.
+    """
+    from importlib.metadata import distribution
 
     with _importable(script) as package:
-        return Path(FmuBuilder.build_FMU(script, dest=into, project_files={package}))
+        carried = _taken_out("pythonfmu")
+        sys.path.insert(0, str(distribution("pythonfmu").locate_file("")))
+        try:
+            builder = importlib.import_module("pythonfmu").FmuBuilder
+            return Path(builder.build_FMU(script, dest=into, project_files={package}))
+        finally:
+            _taken_out("pythonfmu")
+            sys.modules.update(carried)
 
 
 def _compile(
@@ -336,10 +450,14 @@ def _seal(raw: Path, sealed: Path) -> None:
 
 
 def _problems(path: Path) -> list[str]:
-    """What fmpy's validation finds."""
+    """What fmpy's validation finds, and whether there is anything to run."""
     from fmpy.validation import validate_fmu
 
-    return [str(problem) for problem in validate_fmu(str(path))]
+    problems = [str(problem) for problem in validate_fmu(str(path))]
+    with zipfile.ZipFile(path) as archive:
+        if not any(name.startswith("binaries/") for name in archive.namelist()):
+            problems.append("the exporter left out its libraries: install pythonfmu again")
+    return problems
 
 
 def _guid_in(path: Path) -> str:
@@ -383,6 +501,18 @@ def _assignments(texts: list[str], parts: list[str]) -> dict[str, dict[str, str]
     return changes
 
 
+def _replayed(
+    parts: list[str] | None, path: Path, alias: str | None, texts: list[str] | None
+) -> tuple[list[str], Any, None]:
+    """What `--recording` asks for: the part, the recording that it is to play, no changes."""
+    if parts and parts != ["replay"]:
+        raise BuildError(f"--recording makes a replay: leave out {', '.join(parts)}")
+    if not alias:
+        raise BuildError("--recording makes a part of its own: name it with --as")
+    settings = _assignments(texts or [], [alias]).get(alias, {})
+    return ["replay"], open_recorded(path, alias, settings), None
+
+
 def build_command(
     parts: Annotated[list[str] | None, typer.Argument(help="Parts to build; all if none.")] = None,
     set_: Annotated[
@@ -395,6 +525,12 @@ def build_command(
     data: Annotated[
         Path | None,
         typer.Option(help="Data file in the place of the part's own, as films for membrane."),
+    ] = None,
+    recording: Annotated[
+        Path | None,
+        typer.Option(
+            help="Recording to be made an FMU; --set NAME.key=value for what a scene may say of it."
+        ),
     ] = None,
     into: Annotated[
         Path | None, typer.Option(help="Folder for the FMUs; build/fmus or build/native.")
@@ -416,6 +552,9 @@ def build_command(
     from rich.table import Table
 
     try:
+        record = None
+        if recording is not None:
+            parts, record, set_ = _replayed(parts, recording, alias, set_)
         wanted = list(parts or (compilable() if native else part_names()))
         changes = _assignments(set_ or [], wanted)
         if alias and len(wanted) != 1:
@@ -428,6 +567,7 @@ def build_command(
                 alias=alias,
                 changes=changes.get(name),
                 data=data,
+                recording=record,
                 into=into,
                 force=force,
                 native=native,
@@ -436,7 +576,8 @@ def build_command(
             for name in wanted
         ]
     except (BuildError, OSError) as error:
-        typer.echo(f"build: {error}", err=True)
+        for line in str(error).splitlines():
+            typer.echo(f"build: {line}", err=True)
         raise typer.Exit(2) from None
     table = Table("part", "variables", "size", "digest", "")
     for fmu in done:

@@ -70,7 +70,7 @@ def model_description(
 def _unit_definitions(root: Element, variables: list[Variable]) -> None:
     """Add each unit that occurs, once, with its base-unit exponents."""
     definitions = SubElement(root, "UnitDefinitions")
-    for name in sorted({variable.quantity.unit for variable in variables}):
+    for name in sorted({variable.quantity.unit for variable in variables} - {""}):
         unit = SubElement(definitions, "Unit", name=name)
         powers = {base: str(power) for base, power in exponents(name).items()}
         SubElement(unit, "BaseUnit", powers)
@@ -111,7 +111,8 @@ def _scalar(part: Part, reference: int, variable: Variable) -> Element:
     if variable.kind == "Enumeration":
         typed.set("declaredType", _type_name(part, variable))
     else:
-        typed.set("unit", quantity.unit)
+        if quantity.unit:
+            typed.set("unit", quantity.unit)
         if quantity.least is not None:
             typed.set("min", repr(quantity.least))
         if quantity.most is not None:

@@ -83,9 +83,12 @@ def provided(
     depends: tuple[str, ...] = (),
     least: float | None = None,
     most: float | None = None,
+    name: str = "",
 ) -> Any:
     """Field of `Output`; `depends` names the ports or inputs it follows directly."""
-    quantity = Quantity(unit, meaning, least, most, port=port, order=order, depends=depends)
+    quantity = Quantity(
+        unit, meaning, least, most, port=port, order=order, depends=depends, name=name
+    )
     return dataclasses.field(metadata={"quantity": quantity})
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import astuple, fields
 from operator import attrgetter
 from typing import Any, ClassVar
@@ -47,7 +48,7 @@ class PhysicsSlave(Fmi2Slave):
         self._inputs = slice(0, inputs)
         self._parameters = slice(inputs, inputs + parameters)
         self._outputs = slice(inputs + parameters, len(self._variables))
-        self._read = attrgetter(*(field.name for field in fields(physics.Output)))
+        self._read = _reader([field.name for field in fields(physics.Output)])
         self._values = [variable.start for variable in self._variables]
         self._params: Any = None
         self._state: Any = None
@@ -108,7 +109,7 @@ class PhysicsSlave(Fmi2Slave):
             own[reference] = value
         self._input = None
         self._stale = True
-        if self._running and max(vrs) >= self._inputs.stop:
+        if self._running and max(vrs, default=-1) >= self._inputs.stop:
             self._retune()
 
     def get_integer(self, vrs: list[int]) -> list[int]:
@@ -185,7 +186,7 @@ class PhysicsSlave(Fmi2Slave):
     def _observe(self, vrs: list[int]) -> None:
         """Bring the outputs up to date if any of `vrs` is one; a fault reads as NaN."""
         first = self._outputs.start
-        if max(vrs) < first:
+        if max(vrs, default=-1) < first:
             return
         try:
             if not self._running:
@@ -206,3 +207,9 @@ class PhysicsSlave(Fmi2Slave):
         cause = str(error) if isinstance(error, ValueError) else repr(error)
         message = f"{self.instance_name}: {call} at t = {self._time:g} s: {cause}"
         self.log(message, Fmi2Status.error)
+
+
+def _reader(names: list[str]) -> Callable[[Any], tuple[Any, ...]]:
+    """All of these attributes in a tuple; of one alone `attrgetter` would give the bare value."""
+    read = attrgetter(*names)
+    return read if len(names) > 1 else lambda record: (read(record),)

@@ -84,7 +84,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     if problems:
         raise SceneError(f"{path}: {problem}" for problem in problems)
     whole = scenario
-    scenario, let_go = without_replaced(scenario, interfaces, recordings, problems)
+    scenario, let_go = without_replaced(scenario, interfaces, _replays(interfaces), problems)
     starts = starts_of(scenario, interfaces, problems)
     fed: dict[str, str] = {}
     connections = connections_of(scenario, interfaces, fed, problems)
@@ -201,6 +201,11 @@ def _recordings(scenario: Scenario, path: Path, problems: list[str]) -> dict[str
         except RecordingError as error:
             problems += [f"components.{name}.data: {line}" for line in str(error).split("\n")]
     return found
+
+
+def _replays(interfaces: dict[str, Interface]) -> list[str]:
+    """Components that only tell: recordings, and FMUs that `build --recording` has made of them."""
+    return [n for n, i in interfaces.items() if i.ours and not i.of("input")]
 
 
 def _recorded(recordings: dict[str, Recording]) -> float | None:

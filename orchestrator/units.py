@@ -61,6 +61,41 @@ def factor(from_unit: str, to_unit: str) -> float:
     return float(registry.Quantity(1.0, one).to(other).magnitude)
 
 
+_NAMED = ("1", "m", "s", "kg", "A", "K", "rad", "Hz", "N", "Pa", "J", "W", "C", "V", "Ohm", "F")
+_BASES = {
+    "kilogram": "kg", "meter": "m", "second": "s", "ampere": "A", "kelvin": "K", "mole": "mol",
+    "candela": "cd", "radian": "rad",
+}  # fmt: skip
+
+
+def in_base(unit: str) -> tuple[str, float]:
+    """The SI unit of the same dimension as FMI writes it, and how many of it one `unit` is.
+
+    `V` and `m/s` stay what they are, `mN` becomes `N`, `g*mm` `kg.m`. Raises `UnitError` for
+    what is no unit, and for degrees Celsius and Fahrenheit.
+    """
+    one = parsed(unit)
+    registry = _registry()
+    if registry.Quantity(0.0, one).to_base_units().magnitude != 0.0:
+        raise UnitError(f"{unit} needs an offset: give kelvin")
+    base = registry.Quantity(1.0, one).to_base_units()
+    for name in _NAMED:
+        named = parsed(name)
+        angle = "radian" in str(base.units)
+        if named.dimensionality == one.dimensionality and angle == (name == "rad"):
+            return name, float(registry.Quantity(1.0, one).to(named).magnitude)
+    powers = dict(base.unit_items())
+    over, under = (
+        [
+            f"{_BASES[n]}{'' if abs(p) == 1 else int(abs(p))}"
+            for n, p in powers.items()
+            if sign * p > 0
+        ]
+        for sign in (1, -1)
+    )
+    return "/".join([".".join(over) or "1", *under]), float(base.magnitude)
+
+
 def si_value(text: str | float, unit: str) -> float:
     """A number, or a text with a unit, as a finite number in `unit` (an SI unit).
 

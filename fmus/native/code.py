@@ -46,6 +46,7 @@ CAUSE = re.compile(
     r".*$",
     re.M,
 )
+ADDRESS = re.compile(r"inttoptr \(i64 (?P<address>-?\d+) to ptr\)")
 ESCAPED = re.compile(r"\\([0-9A-Fa-f]{2})")
 
 numba.config.CPU_NAME = "generic"
@@ -75,7 +76,7 @@ def compiled(physics: ModuleType) -> Code:
         kinds = [twins.kind(records[a]) if a in RECORDS else numba.float64 for a in taken]
         text, symbol = _lowered(getattr(twin, name), tuple(kinds), f"{physics.__name__}.{name}")
         sizes = {key: len(dataclasses.fields(record)) for key, record in records.items()}
-        text = _numbered(text, causes) + _wrapper(name, taken, sizes, symbol)
+        text = _carrying(_numbered(text, causes), twins) + _wrapper(name, taken, sizes, symbol)
         module = llvm.parse_assembly(text)
         whole.link_in(_alone(module, f"part_{name}"))
     return Code(str(whole), causes)
@@ -105,6 +106,26 @@ def _numbered(text: str, causes: list[str]) -> str:
         return f"@{found['name']} = internal constant i32 {causes.index(words) + 1}"
 
     return CAUSE.sub(number, text)
+
+
+def _carrying(text: str, twins: Twins) -> str:
+    """The text with large tables in it: of those above a megabyte numba leaves an address."""
+    tables = {table.ctypes.data: table for table in twins.tables}
+    names: dict[int, str] = {}
+
+    def named(found: re.Match[str]) -> str:
+        address = int(found["address"]) % (1 << 64)
+        if address not in tables:
+            return found[0]
+        names.setdefault(address, f"table.{len(names)}")
+        return f"@{names[address]}"
+
+    text = ADDRESS.sub(named, text)
+    for address, name in names.items():
+        data = tables[address].tobytes()
+        content = "".join(f"\\{byte:02X}" for byte in data)
+        text += f'\n@{name} = internal constant [{len(data)} x i8] c"{content}", align 8\n'
+    return text
 
 
 def _bytes(text: str) -> bytes:
@@ -172,6 +193,8 @@ def _alone(module: Any, entry: str) -> Any:
     strange = [n for n in foreign if not n.startswith("llvm.") and n not in LIBRARY]
     if strange:
         raise NativeError(f"{entry}: the code would need {', '.join(strange)}")
+    if ADDRESS.search(str(module)):
+        raise NativeError(f"{entry}: the code would hold an address of the process that made it")
     return module
 
 

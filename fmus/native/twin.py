@@ -21,13 +21,14 @@ from . import mathematics
 
 
 class Twins:
-    """The twins of a package's modules, made as they are asked for."""
+    """The twins of a package's modules, made as they are asked for, and their `tables`."""
 
     def __init__(self, package: str) -> None:
         self._package = package
         self._math = mathematics.checked()
         self._modules: dict[str, ModuleType] = {}
         self._records: dict[type[Any], type[Any]] = {}
+        self.tables: list[np.ndarray[Any, np.dtype[np.float64]]] = []
 
     def module(self, source: ModuleType) -> ModuleType:
         """The twin of a module, with all that its functions may look up."""
@@ -67,7 +68,10 @@ class Twins:
             return numba.njit(**mathematics.OPTIONS)(same)
         if isinstance(value, type) and dataclasses.is_dataclass(value):
             return self.record(value)
-        return _table(value)
+        table = _table(value)
+        if table is not value:
+            self.tables.append(table)
+        return table
 
     def _own(self, module: str) -> bool:
         return module.split(".")[0] == self._package

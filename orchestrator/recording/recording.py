@@ -31,7 +31,8 @@ class Recording:
 
     `offset` [s] is what the record's clock is behind the run's. `sources` gives each output
     as how it comes about and the columns it comes from: its value, and for curvatures its
-    rate where that is recorded too, else -1. `events` are announced discontinuities.
+    rate where that is recorded too, else -1. `events` are announced discontinuities;
+    `frequency` [Hz] is that of the cycle, as the file tells it or as it is repeated.
     """
 
     interface: Interface
@@ -164,7 +165,7 @@ def _opened(path: Path, settings: str, stamp: tuple[int, int]) -> Recording:
     )
     return Recording(
         *(interface, track, offset, component.before, component.after),
-        *(tuple(sources), events, _frequency(table)),
+        *(tuple(sources), events, _frequency(table) or (1.0 / period if period else None)),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
@@ -30,7 +31,8 @@ def read_csv(path: Path, choice: Choice) -> Table:
     number, header = next(lines, (0, ""))
     if not number:
         raise RecordingError(f"{path}: is empty: no headings, no rows")
-    delimiter = next((d for d in DELIMITERS if d in header), "")
+    plain = re.sub(r'"[^"]*"', "", header)
+    delimiter = next((d for d in DELIMITERS if d in plain), "")
     if not delimiter:
         raise RecordingError(
             f"{path}: line {number}: no comma, semicolon or tab between two headings; a recording"

@@ -11,7 +11,10 @@ import fmus
 
 ROOT = Path(fmus.__file__).parent
 EXEMPT = {"monolith", "native"}
-BUILD_TIME = {"__init__.py", "slave.py", "film.py", "direct.py", "surrogate.py", "tables.py"}
+BUILD_TIME = {
+    *("__init__.py", "slave.py", "film.py", "direct.py", "surrogate.py", "tables.py"),
+    *("data.py", "making.py"),
+}
 SHARED = [ROOT / "law.py"]
 FILES = [
     path

@@ -203,7 +203,7 @@ class Pair:
             else:
                 size = SIZES.get(unit, 1.0)
                 row[place] = size * rng.uniform(-1.0, 1.0) * rng.choice([1.0, 1.0, 0.0, 1.3])
-        if rng.random() < 0.003:
+        if len(row) and rng.random() < 0.003:
             row[rng.integers(len(row))] = rng.choice([np.nan, np.inf, -np.inf, 1e9, -1e9])
         return row
 
