@@ -64,7 +64,7 @@ def place(time: float) -> Place:
     low = int(0.0)
     high = int(COUNT)
     while low + 1 < high:
-        middle = (low + high) // 2
+        middle = int(0.5 * float(low + high))
         if KNOTS[0][middle] <= inner + GRAIN:
             low = middle
         else:
@@ -133,7 +133,7 @@ def integral(j: int, at: Place, before: float, after: float) -> float:
     total = 0.0
     for i in range(POWERS):
         power = POWERS - 1 - i
-        total = PIECES[j][k][power] / float(power + 1) + at.s * total
+        total = PIECES[j][k][power] / (float(power) + 1.0) + at.s * total
     return turned + FIRST[j][k] + at.s * total
 
 
