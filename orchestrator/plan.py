@@ -188,6 +188,14 @@ def fmu_path(name: str, scene: Path, library: Path) -> Path:
     return library / f"{name}.fmu"
 
 
+def interface_of(name: str, scene: Path, library: Path) -> Interface:
+    """Interface of a part by name or of an FMU by its path; `FmuError` where there is none."""
+    file = fmu_path(name, scene, library)
+    if file.parent == library and not is_file(file):
+        raise FmuError(_missing_part(name, library))
+    return read_interface(file)
+
+
 def _recordings(scenario: Scenario, path: Path, problems: list[str]) -> dict[str, Recording]:
     """Recordings of a scene, read and checked; nothing is imported where there is none."""
     found: dict[str, Recording] = {}
@@ -235,9 +243,7 @@ def _interfaces(
         file = fmu_path(component.fmu, path, library)
         if file not in known:
             try:
-                if file.parent == library and not is_file(file):
-                    raise FmuError(_missing_part(component.fmu, library))
-                known[file] = read_interface(file)
+                known[file] = interface_of(component.fmu, path, library)
             except FmuError as error:
                 problems.append(f"components.{name}.fmu: {error}")
                 continue

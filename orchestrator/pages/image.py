@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import OutputError, printable
 from .plot import Axis, Figure, Plot
 
-STYLES = {"line": "-", "dashed": "--", "points": "", "line-points": "-", "stated": ""}
+STYLES = {"line": "-", "dashed": "--", "points": "None", "line-points": "-", "stated": "None"}
 MARKERS = "osd^v<>P"
 
 
@@ -50,7 +50,7 @@ def _panel(axis: Any, plot: Plot) -> None:
         if curve.style == "stated":
             marker, colour = "x", "k"
         axis.plot(
-            list(curve.x), list(curve.y), STYLES[curve.style], label=_plain(curve.name), lw=1.3,
+            list(curve.x), list(curve.y), ls=STYLES[curve.style], label=_plain(curve.name), lw=1.3,
             color=colour, marker=marker, ms=6 if curve.style == "stated" else 4,
         )  # fmt: skip
     axis.set_title(_plain(plot.title), fontsize=9)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import RecordingError, nearest, printable
-from .columns import Choice, Heading
+from .columns import EVERY, Choice, Heading
 from .table import Table
 
 
@@ -37,6 +37,8 @@ def read_netcdf(path: Path, choice: Choice) -> Table:
                 f'{path}: holds several components; say component = "..."; {nearest("", owners)}'
             )
         choice = replace(choice, component=next(iter(owners), ""))
+    if choice.component == EVERY:
+        choice = replace(choice, component="")
     return _table(path, choice, headings, columns, said)
 
 

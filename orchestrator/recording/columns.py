@@ -14,6 +14,8 @@ from .table import TIME, Column
 _WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*")
 _VARIABLE = re.compile(r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?(\.[A-Za-z_]\w*(\[\d+(,\d+)*\])?)*")
 CLOCKS = ("time", "t")
+EVERY = "*"
+"""In the place of a component's name: those of all, called `component.variable`."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Choice:
 
     def columns_of(self, path: Path, where: str, headings: list[Heading]) -> list[Column]:
         """The columns in use, time first; `RecordingError` with all that is wrong of them."""
-        if self.component:
+        if self.component and self.component != EVERY:
             headings = _belonging(path, where, headings, self.component)
         problems: list[str] = []
         texts = [h.text for h in headings if h.text]

@@ -32,7 +32,8 @@ class Recording:
     `offset` [s] is what the record's clock is behind the run's. `sources` gives each output
     as how it comes about and the columns it comes from: its value, and for curvatures its
     rate where that is recorded too, else -1. `events` are announced discontinuities;
-    `frequency` [Hz] is that of the cycle, as the file tells it or as it is repeated.
+    `frequency` [Hz] is that of the cycle, as the file tells it or as it is repeated; `rows` are
+    the times of the file's rows in its own clock [s].
     """
 
     interface: Interface
@@ -43,6 +44,12 @@ class Recording:
     sources: tuple[tuple[str, int, int], ...]
     events: tuple[float, ...]
     frequency: float | None
+    rows: Values
+
+    @functools.cached_property
+    def curved(self) -> bool:
+        """Whether any output is a curvature, which asks for means over steps."""
+        return any(how in {"curvature", "square"} for how, _, _ in self.sources)
 
     @property
     def begin(self) -> float:
@@ -77,7 +84,9 @@ class Recording:
         inner = time - self.offset
         values, slopes = self.track.at(inner, stepped=size > 0.0)
         made = np.empty(len(self.sources))
-        means = self.track.means(inner, size) if size > 0.0 else (values, values * values)
+        means = (values, values)
+        if size > 0.0 and self.curved:
+            means = self.track.means(inner, size)
         for k, (how, column, rate) in enumerate(self.sources):
             if how == "column":
                 made[k] = values[column]
@@ -166,6 +175,7 @@ def _opened(path: Path, settings: str, stamp: tuple[int, int]) -> Recording:
     return Recording(
         *(interface, track, offset, component.before, component.after),
         *(tuple(sources), events, _frequency(table) or (1.0 / period if period else None)),
+        table.times,
     )
 
 

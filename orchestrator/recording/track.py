@@ -15,7 +15,8 @@ BESIDE = 1e-9
 """Of the shortest step: closer than this to a sample is at it."""
 KAISER = 12.0
 GAUSS = np.polynomial.legendre.leggauss(4)
-"""Nodes and weights that integrate the square of a cubic exactly."""
+PLACES, SHARES = 0.5 * (GAUSS[0] + 1.0), 0.5 * GAUSS[1]
+"""Nodes and weights on 0 to 1 that integrate the square of a cubic exactly."""
 
 
 class Uneven(ValueError):
@@ -126,16 +127,12 @@ class Track:
 
 def integrals(pieces: NDArray[np.float64], widths: Values) -> tuple[Values, Values]:
     """Integrals of y and y^2 over the first stretch of each piece."""
-    first = np.zeros((len(pieces), pieces.shape[2]))
-    second = np.zeros_like(first)
-    for node, weight in zip(*GAUSS, strict=True):
-        s = (0.5 * (node + 1.0) * widths)[:, None]
-        y = pieces[:, -1, :]
-        for power in range(pieces.shape[1] - 2, -1, -1):
-            y = pieces[:, power, :] + s * y
-        first += 0.5 * weight * widths[:, None] * y
-        second += 0.5 * weight * widths[:, None] * y * y
-    return first, second
+    s = PLACES[:, None, None] * widths[:, None]
+    y = pieces[:, -1] + np.zeros_like(s)
+    for power in range(pieces.shape[1] - 2, -1, -1):
+        y = pieces[:, power] + s * y
+    weighted = SHARES[:, None, None] * widths[:, None]
+    return (weighted * y).sum(axis=0), (weighted * y * y).sum(axis=0)
 
 
 def fitted(

@@ -224,7 +224,8 @@ def test_a_large_table_is_in_the_library_itself(tmp_path: Path) -> None:
                              native=True)  # fmt: skip
     script = (
         "import sys\nfrom fmpy import simulate_fmu\n"
-        "t = simulate_fmu(sys.argv[1], start_time=30.0, stop_time=39.0, step_size=3.0, output_interval=3.0)\n"
+        "t = simulate_fmu(sys.argv[1], start_time=30.0, stop_time=39.0, step_size=3.0,"
+        " output_interval=3.0)\n"
         "print(*t['y'])"
     )
     done = subprocess.run(
