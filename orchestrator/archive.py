@@ -1,4 +1,4 @@
-"""The one way into an FMU file: checked before anything is written, counted while it is.
+"""The one way into an FMU or SSP file: checked before anything is written, counted while it is.
 
 Refused: entries that would leave the folder, links and devices, duplicates and case twins,
 names no file system should see, bombs by declared size, ratio or count, truncated, damaged
@@ -27,23 +27,39 @@ LONGEST_PATH = 1000
 CHUNK = 1 << 20
 ENCRYPTED = 0x1
 DESCRIPTION = "modelDescription.xml"
+STRUCTURE = "SystemStructure.ssd"
+KINDS = {DESCRIPTION: "an FMU", STRUCTURE: "an SSP"}
+"""What has to stand at the top level of an archive, and what makes it that."""
 
 
 def read_description(path: Path) -> bytes:
     """Bytes of the model description of an FMU file, after all checks of its archive."""
-    with _opened(path) as archive:
-        info = archive.getinfo(DESCRIPTION)
+    return read_entry(path, DESCRIPTION, DESCRIPTION)
+
+
+def read_entry(path: Path, name: str, kind: str) -> bytes:
+    """Bytes of one text of an archive whose kind is told by what it must have; see `KINDS`."""
+    with _opened(path, kind) as archive:
+        if name not in archive.namelist():
+            raise FmuError(f"{path}: has no '{printable(name)}'")
+        info = archive.getinfo(name)
         if info.file_size > MOST_DESCRIPTION:
             raise FmuError(
-                f"{path}: {DESCRIPTION} has {info.file_size >> 20} MiB;"
+                f"{path}: {name} has {info.file_size >> 20} MiB;"
                 f" at most {MOST_DESCRIPTION >> 20} MiB are read"
             )
         return _content(path, archive, info)
 
 
-def extract(path: Path, folder: Path) -> None:
-    """Unpack an FMU file into an existing empty folder."""
-    with _opened(path) as archive:
+def entries(path: Path, kind: str) -> list[str]:
+    """Names of all that is in an archive."""
+    with _opened(path, kind) as archive:
+        return archive.namelist()
+
+
+def extract(path: Path, folder: Path, kind: str = DESCRIPTION) -> None:
+    """Unpack an archive into an existing empty folder."""
+    with _opened(path, kind) as archive:
         for info in archive.infolist():
             target = folder / info.filename
             text = b"" if info.is_dir() else _content(path, archive, info)
@@ -66,13 +82,13 @@ def platforms(path: Path) -> list[str]:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
+def _opened(path: Path, kind: str = DESCRIPTION) -> Iterator[zipfile.ZipFile]:
     """Archive with all its entries checked."""
     try:
-        kind = stat.S_IFMT(path.stat().st_mode)
-        if kind == stat.S_IFDIR:
-            raise FmuError(f"{path}: is a folder, not an FMU file")
-        if kind != stat.S_IFREG:
+        mode = stat.S_IFMT(path.stat().st_mode)
+        if mode == stat.S_IFDIR:
+            raise FmuError(f"{path}: is a folder, not {KINDS[kind]} file")
+        if mode != stat.S_IFREG:
             raise FmuError(f"{path}: is not a plain file")
         archive = zipfile.ZipFile(path)
     except FileNotFoundError:
@@ -84,7 +100,7 @@ def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
     except (zipfile.BadZipFile, NotImplementedError) as error:
         raise FmuError(f"{path}: not a zip archive, {_look(path)} ({error})") from None
     with archive:
-        _check(path, archive.infolist())
+        _check(path, archive.infolist(), kind)
         yield archive
 
 
@@ -106,7 +122,7 @@ def _is_place_taken(name: str, folders: set[str], files: set[str]) -> bool:
     return taken
 
 
-def _check(path: Path, entries: list[zipfile.ZipInfo]) -> None:
+def _check(path: Path, entries: list[zipfile.ZipInfo], kind: str) -> None:
     """Refuse archives that are not plain trees of files of bearable size."""
     if len(entries) > MOST_ENTRIES:
         raise FmuError(f"{path}: {len(entries)} entries; at most {MOST_ENTRIES} are read")
@@ -127,8 +143,8 @@ def _check(path: Path, entries: list[zipfile.ZipInfo]) -> None:
         seen.add(key)
         if fault:
             raise FmuError(f"{path}: entry '{printable(name)}' {fault}")
-    if DESCRIPTION not in {info.filename for info in entries}:
-        raise FmuError(f"{path}: not an FMU: no {DESCRIPTION} at its top level")
+    if kind not in {info.filename for info in entries}:
+        raise FmuError(f"{path}: not {KINDS[kind]}: no {kind} at its top level")
 
 
 def _fault_of_name(name: str) -> str:

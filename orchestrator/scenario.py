@@ -28,6 +28,8 @@ Flag = Annotated[bool, Field(strict=True)]
 LARGEST_FILE = 1 << 20
 AUTO = "auto"
 DEEPEST_EXTENDS = 10
+SSP = re.compile(r"(.+\.ssp)(?::(.+))?")
+"""An SSP archive, and which of its variants or parameter sets."""
 LISTS = ("wires", "variables", "actions", "faults")
 """Lists to which a scene adds what its base has."""
 
@@ -245,10 +247,16 @@ def _is_folder(path: Path) -> bool:
 def scene_path(name: str, beside: Path | None = None) -> Path:
     """File of a scene given by path or by the name of a shipped one.
 
-    A path is taken from the folder of the scene that names it, else from here.
+    A path is taken from the folder of the scene that names it, else from here. An SSP archive may
+    have a choice behind a colon: `system.ssp:cold`.
     """
     if not name:
         raise SceneError(f"no scene ''; {nearest(name, scene_names())}")
+    if (file := SSP.fullmatch(name)) is not None:
+        path = Path(file[1]) if beside is None else beside / file[1]
+        if not is_file(path):
+            raise SceneError(f"{path}: no such SSP file")
+        return path.with_name(path.name + (f":{file[2]}" if file[2] else ""))
     if name.endswith(".toml") or "/" in name:
         path = Path(name) if beside is None else beside / name
         if _is_folder(path):
@@ -275,7 +283,7 @@ def load_scenario(
     :class:`SceneError` with every problem found.
     """
     path = scene_path(str(name))
-    return scenario_of(read_toml(path), path, changes, **options), path
+    return scenario_of(read_tree(path), path, changes, **options), path
 
 
 def scenario_of(
@@ -308,7 +316,7 @@ def _merged(path: Path, seen: list[Path]) -> dict[str, Any]:
     if resolved in seen or len(seen) > DEEPEST_EXTENDS:
         chain = " -> ".join(p.name for p in [*seen, resolved])
         raise SceneError(f"{path}: extends itself: {chain}")
-    return _based(read_toml(path), path, [*seen, resolved])
+    return _based(read_tree(path), path, [*seen, resolved])
 
 
 def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]:
@@ -340,6 +348,15 @@ def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
         fmu = component.get("fmu")
         if isinstance(fmu, str) and (fmu.endswith(".fmu") or "/" in fmu):
             component["fmu"] = str(folder / fmu)
+
+
+def read_tree(path: Path) -> dict[str, Any]:
+    """Tree of one scene, a TOML file or an SSP archive."""
+    if (file := SSP.fullmatch(path.name)) is not None:
+        from .ssp import read_ssp
+
+        return read_ssp(path.with_name(file[1]), file[2] or "")
+    return read_toml(path)
 
 
 def read_toml(path: Path) -> dict[str, Any]:

@@ -1,15 +1,132 @@
-"""`resilin schema`: what editors and other tools need to know of scenes."""
+"""What editors and other tools need to know of scenes: `resilin schema`, `resilin export`."""
 
 from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from . import common
 
+if TYPE_CHECKING:
+    from ..plan import Plan
+
 
 def add_to(app: typer.Typer) -> None:
-    """Register the command."""
+    """Register the commands."""
+    app.command("export")(export)
     app.command("schema")(schema)
+
+
+def export(
+    scene: common.SceneName,
+    to: Annotated[Path | None, typer.Option(help="SSP archive; SCENE.ssp if not given.")] = None,
+    also: Annotated[
+        list[str] | None,
+        typer.Option(help='Further parameter set, as cold:spring.damping="2 N*s/m"; repeatable.'),
+    ] = None,
+    version: Annotated[str, typer.Option("--ssp", help="Version of SSP, 1.0 or 2.0.")] = "1.0",
+    set_: common.Sets = None,
+    laws: common.Laws = None,
+    kind: common.Kind = None,
+    stop: common.Stop = None,
+    step: common.Step = None,
+    fmus: common.Library = common.BUILT,
+    native: common.Native = False,
+    quiet: common.Quiet = False,
+) -> None:
+    """Write a scene as an SSP archive: structure, parameters and FMUs, for other tools.
+
+    Example: resilin export flapping-full-wings --to vehicle.ssp --native
+    """
+    from ..errors import InputError, OutputError
+    from ..exchange import VERSIONS, Package, write_ssp
+    from ..loading import load
+
+    target = to or Path(f"{Path(scene).stem}.ssp")
+    with common.reported(), tempfile.TemporaryDirectory(prefix="resilin_export_") as folder:
+        if target.suffix != ".ssp":
+            raise OutputError(f"{target}: SSP archives are called *.ssp")
+        if version not in VERSIONS:
+            raise InputError(f"--ssp {version}: is not written; there is {', '.join(VERSIONS)}")
+        options = common.overrides(laws, kind, stop, step)
+        library = common.library(fmus, native)
+        plan = load(scene, common.assignments(set_), library, **options)
+        sets = _sets(scene, also or [], library, options)
+        files, built_in = _made(plan, Path(folder))
+        remarks = write_ssp(Package(plan, files, built_in, sets, version), target)
+    if not quiet:
+        for remark in remarks:
+            typer.echo(f"remark: {remark}")
+        typer.echo(f"{len(plan.interfaces)} components, {len(plan.connections)} wires: {target}")
+
+
+def _made(plan: Plan, folder: Path) -> tuple[dict[str, Path], frozenset[str]]:
+    """FMUs built for an archive: recordings, and parts that start with the choices of the scene.
+
+    An archive cannot hold a recording as it is, and other tools do not read choices from it.
+    """
+    from ..errors import SceneError
+
+    if not (plan.recordings or any(_choices(plan, name) for name in plan.interfaces)):
+        return {}, frozenset()
+    try:
+        import build_fmus
+    except ImportError:
+        raise SceneError("nothing can be built for the archive without build_fmus.py") from None
+    files: dict[str, Path] = {}
+    built_in: set[str] = set()
+    try:
+        for name, recording in plan.recordings.items():
+            built = build_fmus.build("replay", alias=name, recording=recording, into=folder)
+            files[name] = built.path
+        for name, interface in plan.interfaces.items():
+            choices = _choices(plan, name)
+            if not choices or interface.path.stem not in build_fmus.part_names():
+                continue
+            alias = "_".join([interface.path.stem, *choices.values()])
+            native = not interface.needs_tool
+            built = build_fmus.build(
+                interface.path.stem, alias=alias, changes=choices, into=folder, native=native
+            )
+            files[name] = built.path
+            built_in |= {f"{name}.{key}" for key in choices}
+    except build_fmus.BuildError as error:
+        raise SceneError(str(error)) from None
+    return files, frozenset(built_in)
+
+
+def _choices(plan: Plan, name: str) -> dict[str, str]:
+    """What a scene chooses of a part of ours otherwise than the part itself, by parameter."""
+    interface = plan.interfaces[name]
+    found = {}
+    for key, value in plan.starts.get(name, {}).items():
+        variable = interface.variables[key]
+        if interface.ours and variable.choices and variable.start != value:
+            found[key] = variable.choices[variable.codes.index(int(value))]
+    return found
+
+
+def _sets(
+    scene: str, texts: list[str], library: Path, options: dict[str, dict[str, object]]
+) -> dict[str, dict[str, float | str]]:
+    """Parameter sets of `NAME:component.parameter=value` texts, in the FMUs' units."""
+    from ..errors import InputError
+    from ..loading import load
+
+    wanted: dict[str, dict[str, str]] = {}
+    for text in texts:
+        name, colon, assignment = text.partition(":")
+        if not (colon and name.isidentifier()) or name in {"parameters", "SystemStructure"}:
+            raise InputError(f"--also {text!r}: write NAME:component.parameter=value")
+        wanted.setdefault(name, {}).update(common.assignments([assignment], "--also"))
+    made: dict[str, dict[str, float | str]] = {}
+    for name, changes in wanted.items():
+        starts = load(scene, changes, library, **options).starts
+        made[name] = {key: starts[key.partition(".")[0]][key.partition(".")[2]] for key in changes}
+    return made
 
 
 def schema() -> None:

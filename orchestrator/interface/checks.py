@@ -48,6 +48,16 @@ def faults(typed: Any, units: Iterable[str | None]) -> list[str]:
     return found
 
 
+def preferred_step(root: Any) -> float | None:
+    """Communication step of the default experiment [s]; None where there is no sensible one."""
+    experiment = root.find("DefaultExperiment")
+    try:
+        step = float(experiment.get("stepSize")) if experiment is not None else 0.0
+    except (TypeError, ValueError):
+        return None
+    return step if 0.0 < step < math.inf else None
+
+
 def true(value: Any) -> bool:
     """An attribute that is true in XML's sense."""
     return value in {"true", "1"}

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import printable
-from .checks import BOUNDED, faults, name_faults, true
+from .checks import BOUNDED, faults, name_faults, preferred_step, true
 from .variable import Interface, Variable
 
 SCALARS = "ModelVariables/ScalarVariable"
@@ -86,6 +86,7 @@ def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
         needs_tool=true(kind.get("needsExecutionTool")),
         ours=tool.startswith("Resilin"),
         warnings=warnings,
+        step=preferred_step(root),
     )
 
 

@@ -15,11 +15,11 @@ from typing import Any
 
 from ..archive import read_description
 from ..errors import FmuError, printable
+from ..markup import guarded
 from . import fmi2, fmi3
 from .variable import Interface
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,200}")
-DEEPEST = 64
 MOST_LINED = 5000
 VERSIONS: dict[str, ModuleType] = {"2.0": fmi2, "3.0": fmi3}
 
@@ -27,7 +27,7 @@ VERSIONS: dict[str, ModuleType] = {"2.0": fmi2, "3.0": fmi3}
 def read_interface(path: Path) -> Interface:
     """Interface of an FMU file; `FmuError` with file, line and cause where it is unfit."""
     text = read_description(path)
-    root = _guarded(path, text)
+    root = guarded(f"{path}: modelDescription.xml", text)
     version = _version(path, root)
     _check_kind(path, root)
     problems = _against_schema(root, text, version)
@@ -39,33 +39,6 @@ def read_interface(path: Path) -> Interface:
         raise FmuError(f"{path}: modelDescription.xml: {problems[0]}{more}")
     interface: Interface = VERSIONS[version].reduced(path, root, tuple(warnings))
     return interface
-
-
-def _guarded(path: Path, text: bytes) -> Any:
-    """Root element, parsed without entities, network or bottomless nesting."""
-    from lxml import etree
-
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
-    )
-    try:
-        root = etree.fromstring(text, parser)
-    except (etree.XMLSyntaxError, ValueError) as error:
-        doctype = any(
-            "<!DOCTYPE".encode(code) in text
-            for code in ("utf-8", "utf-16-le", "utf-16-be", "utf-32-le", "utf-32-be")
-        )
-        reason = "has a DOCTYPE: refused" if doctype else f"is not XML: {printable(str(error))}"
-        raise FmuError(f"{path}: modelDescription.xml {reason}") from None
-    document: Any = root.getroottree().docinfo
-    if document.internalDTD is not None or document.doctype:
-        raise FmuError(f"{path}: modelDescription.xml has a DOCTYPE: refused")
-    depth = 0
-    for event, _ in etree.iterwalk(root, events=("start", "end")):
-        depth += 1 if event == "start" else -1
-        if depth > DEEPEST:
-            raise FmuError(f"{path}: modelDescription.xml is nested deeper than {DEEPEST}")
-    return root
 
 
 @functools.cache

@@ -73,7 +73,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Interface:
-    """Variables and capabilities of an FMU."""
+    """Variables and capabilities of an FMU; `step` [s] is the communication step it prefers."""
 
     path: Path
     version: int
@@ -88,6 +88,7 @@ class Interface:
     needs_tool: bool
     ours: bool
     warnings: tuple[str, ...] = field(default=())
+    step: float | None = None
 
     def of(self, *causalities: str) -> list[Variable]:
         """Variables with one of these causalities, in the FMU's order."""
