@@ -3,13 +3,15 @@ VENV := .venv
 BIN := $(VENV)/bin
 SCENE ?= flapping-full-wings
 
+COFMPY := $(VENV)/cofmpy
+
 .PHONY: run test lint slow bench clean
 
 run: $(VENV)/ready
 	$(BIN)/python build_fmus.py
 	$(BIN)/resilin run $(SCENE)
 
-test: lint
+test: lint $(COFMPY)/ready
 	$(BIN)/pytest -n 2 -m "not slow"
 
 lint: $(VENV)/ready
@@ -18,7 +20,7 @@ lint: $(VENV)/ready
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-slow: $(VENV)/ready
+slow: $(VENV)/ready $(COFMPY)/ready
 	$(BIN)/pytest -n 2 -m slow
 
 bench: $(VENV)/ready
@@ -29,6 +31,14 @@ $(VENV)/ready: pyproject.toml constraints.txt
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed')"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
+	touch $@
+
+# a tool that needs another fmpy: its own environment, which looks into ours for all the rest
+$(COFMPY)/ready: $(VENV)/ready docs/recipes/cofmpy.txt
+	$(PYTHON) -m venv --clear $(COFMPY)
+	$(BIN)/python -c "import sysconfig; print(sysconfig.get_path('purelib'))" > $(COFMPY)/ours.pth
+	mv $(COFMPY)/ours.pth $$($(COFMPY)/bin/python -c "import sysconfig; print(sysconfig.get_path('purelib'))")
+	$(COFMPY)/bin/python -m pip install --quiet --no-deps --requirement docs/recipes/cofmpy.txt
 	touch $@
 
 clean:

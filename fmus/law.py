@@ -17,8 +17,12 @@ from .quantity import NO_REFERENCE
 
 
 def elapsed(time: float, reference_time: float) -> float:
-    """Time [s] since a port's values held; 0 where the sender gave no reference time."""
-    if reference_time <= 0.5 * NO_REFERENCE:
+    """Time [s] since a port's values held; 0 where the sender gave no reference time.
+
+    Zero counts as none: other masters set inputs that nothing feeds to zero, and a law that really
+    holds at t = 0 is used in the first step alone.
+    """
+    if reference_time <= 0.5 * NO_REFERENCE or reference_time == 0.0:
         return 0.0
     return time - reference_time
 

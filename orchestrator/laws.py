@@ -16,7 +16,8 @@ Members = Mapping[str, float]
 
 def _since(members: Members, key: str, time: float) -> float:
     reference = members.get(key, NO_REFERENCE)
-    return 0.0 if reference <= 0.5 * NO_REFERENCE else time - reference
+    none = reference <= 0.5 * NO_REFERENCE or reference == 0.0
+    return 0.0 if none else time - reference
 
 
 def force(m: Members, back: Members, time: float) -> float:

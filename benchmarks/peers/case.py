@@ -23,16 +23,11 @@ class Start:
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU under a name, with what it starts from.
-
-    `inputs` are the start values that the FMU itself gives its inputs: for tools that would
-    start from zeros.
-    """
+    """An FMU under a name, with what it starts from."""
 
     name: str
     path: str
     starts: list[Start]
-    inputs: dict[str, float]
 
 
 @dataclass(frozen=True)

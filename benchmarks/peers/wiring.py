@@ -106,8 +106,7 @@ def _component(plan: Plan, name: str) -> Component:
     if chosen:
         alias = "_".join([path.stem, *chosen.values()])
         path = build(path.stem, alias=alias, changes=chosen, into=path.parent.parent / "peers").path
-    inputs = {v.name: float(v.start or 0.0) for v in known.of("input")}
-    return Component(name, str(path.resolve()), starts, inputs)
+    return Component(name, str(path.resolve()), starts)
 
 
 def _bonds(plan: Plan) -> list[tuple[int, int]]:

@@ -276,6 +276,32 @@ def law_of(u: Input, side: float) -> Law:
     return law
 
 
+def unconnected(u: Input, side: float, charge: float) -> bool:
+    """Whether nothing is there to be charged, and nothing ever was.
+
+    Other masters leave inputs at zero until the first exchange: an electrode that is without
+    charge and without capacitance then waits. A capacitance that vanishes later is a fault.
+    """
+    if side > 0.0:
+        return charge == 0.0 and u.top_capacitance == 0.0 and u.top_charge == 0.0
+    return charge == 0.0 and u.bottom_capacitance == 0.0 and u.bottom_charge == 0.0
+
+
+def idle(drive: float, supplied: float, loss: float) -> Channel:
+    """A channel that nothing is connected to."""
+    return Channel(
+        drive=drive,
+        charge=0.0,
+        voltage=0.0,
+        voltage_rate=0.0,
+        square_curvature=0.0,
+        current=0.0,
+        peak_current=0.0,
+        supplied=supplied,
+        loss=loss,
+    )
+
+
 def law_age(u: Input, side: float, t: float) -> float:
     """Time [s] at `t` since the charge law of a channel held."""
     if side > 0.0:
@@ -315,6 +341,8 @@ def advance_channel(
     h: float,
 ) -> Channel:
     """One channel over [t, t + h], cut at the edges of its drive."""
+    if unconnected(u, side, charge):
+        return idle(drive, supplied, loss)
     moving = law_of(u, side)
     age = law_age(u, side, t)
     law = frozen(moving, age + 0.5 * h)
@@ -419,6 +447,8 @@ def joined(top: Channel, bottom: Channel) -> State:
 
 def uncharged(p: Params, u: Input, side: float, t: float) -> Channel:
     """Channel at V = 0, its amplifier at 0 too."""
+    if unconnected(u, side, 0.0):
+        return idle(0.0, 0.0, 0.0)
     law = law_of(u, side)
     charge = charge_at(law, 0.0, law_age(u, side, t))
     return Channel(

@@ -20,12 +20,15 @@ class Bare:
 
     With `again` it then hands the new values over and reads once more, so that outputs that
     follow inputs directly hold at the new point, and settles them before the first step; our
-    `jacobi` does both. Without, what was read during the step stays, as in the other tools.
+    `jacobi` does both. Without, what was read during the step stays, as in the other tools; `zeros`
+    are what some of these start every wired input with.
     """
 
-    def __init__(self, case: Case, *, again: bool) -> None:
+    def __init__(self, case: Case, *, again: bool, zeros: bool = False) -> None:
         self.case, self.again = case, again
         self.values: dict[tuple[str, int], float] = {}
+        if zeros:
+            self.values = dict.fromkeys(((w.source, w.output_reference) for w in case.wires), 0.0)
 
     def run(self) -> list[float]:
         """Watched values at the end."""
@@ -34,7 +37,7 @@ class Bare:
             self._initialise()
             for k in range(self.case.count):
                 for name, unit in self.units.items():
-                    if k or self.again:
+                    if self.values:
                         self._give(name)
                     unit.doStep(k * self.case.step, self.case.step)
                 self._read()

@@ -15,10 +15,9 @@ METHODS = {"jacobi": "jacobi", "gauss-seidel": "gauss_seidel"}
 
 
 class Cofmu(Tool):
-    """Inputs would start from zero, which the amplifier refuses: they are given the FMU's own
-    start values, through the configuration. Units of a loop would be stepped in the order of a
-    set, which changes from process to process: they are put in that of the scene. Results of
-    all outputs are kept by the tool at every step; the watched ones are read from there."""
+    """Inputs start from zero, whatever their FMU says. Units of a loop would be stepped in the
+    order of a set, which changes from process to process: they are put in that of the scene.
+    Results of all outputs are kept by the tool at every step; the watched ones are read there."""
 
     name = "cofmpy"
     distribution = "cofmupy"
@@ -65,7 +64,7 @@ def _configuration(case: Case, method: str) -> dict[str, Any]:
                 "id": c.name,
                 "name": c.name,
                 "path": c.path,
-                "initialization": {**c.inputs, **{s.name: s.value for s in c.starts}},
+                "initialization": {s.name: s.value for s in c.starts},
             }
             for c in case.components
         ],

@@ -15,11 +15,10 @@ from .base import March, Method, Tool, Track, importable
 
 
 class FmpySsp(Tool):
-    """Inputs are 0.0 in the first step, whatever their FMUs say, which the amplifier refuses;
-    here they start from the FMUs' own values. One function unpacks, instantiates, runs and
-    frees: the clock runs from the first step of a component to the end of the last. It stamps
-    values after a step with the time before it, which is set right here, and adds up its
-    time in floating point."""
+    """Inputs are 0.0 in the first step, whatever their FMUs say. One function unpacks,
+    instantiates, runs and frees: the clock runs from the first step of a component to the end
+    of the last. It stamps values after a step with the time before it, which is set right
+    here, and adds up its time in floating point."""
 
     name = "fmpy.ssp"
     distribution = "fmpy"
@@ -38,7 +37,7 @@ class FmpySsp(Tool):
             path = Path(folder) / "system.ssp"
             write_ssp(case, path)
             stop = (case.count - 0.5) * case.step
-            steps = _Steps(case, plain)
+            steps = _Steps(plain)
 
             def march() -> Track:
                 begun = perf_counter()
@@ -62,18 +61,13 @@ class FmpySsp(Tool):
 
 
 class _Steps:
-    """FMPy's own step of a component, with start values in the first one and the clock read."""
+    """FMPy's own step of a component, and the clock read around it."""
 
-    def __init__(self, case: Case, plain: Callable[[Any, float, float], None]) -> None:
+    def __init__(self, plain: Callable[[Any, float, float], None]) -> None:
         self._plain = plain
-        self._own = {c.name: c.inputs for c in case.components}
         self.first = self.last = 0.0
 
     def __call__(self, component: Any, time: float, size: float) -> None:
-        if time == 0.0:
-            self.first = self.first or perf_counter()
-            for connector in component.connectors:
-                if connector.kind == "input":
-                    connector.value = self._own[component.name][connector.name]
+        self.first = self.first or perf_counter()
         self._plain(component, time, size)
         self.last = perf_counter()

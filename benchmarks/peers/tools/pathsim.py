@@ -12,9 +12,9 @@ from .base import March, Method, Tool, Track, importable
 class Pathsim(Tool):
     """A block steps at the beginning of its interval, in the order of the blocks, and its new
     outputs show at once: sequential, and one step ahead of PathSim's own time, which is set
-    right here. Inputs that are not wired would be zero and not what their FMU starts with: those
-    are fed by constants. Reading goes through a recorder that PathSim samples itself. Blocks
-    free their units when they go."""
+    right here. Inputs that are not wired are zero and not what their FMU starts with, which
+    our parts bear. Reading goes through a recorder that PathSim samples itself. Blocks free
+    their units when they go."""
 
     name = "pathsim-fmi"
     distribution = "pathsim-fmi"
@@ -27,7 +27,7 @@ class Pathsim(Tool):
     @contextmanager
     def load(self, case: Case, method: str) -> Iterator[March]:
         from pathsim import Connection, Simulation
-        from pathsim.blocks import Constant, Scope
+        from pathsim.blocks import Scope
         from pathsim_fmi import CoSimulationFMU
 
         blocks = {
@@ -43,16 +43,7 @@ class Pathsim(Tool):
         connections += [
             Connection(blocks[w.component][w.name], scope[k]) for k, w in enumerate(case.watched)
         ]
-        wired = {(w.target, w.input) for w in case.wires}
-        constants = []
-        for c in case.components:
-            given = {s.name: s.value for s in c.starts}
-            for name, value in c.inputs.items():
-                if (c.name, name) not in wired and given.get(name, value) != 0.0:
-                    constants.append(Constant(given.get(name, value)))
-                    connections.append(Connection(constants[-1], blocks[c.name][name]))
-        everything = [*constants, *blocks.values(), scope]
-        simulation = Simulation(everything, connections, dt=case.step, log=False)
+        simulation = Simulation([*blocks.values(), scope], connections, dt=case.step, log=False)
 
         def march() -> Track:
             simulation.run((case.count - 1) * case.step)

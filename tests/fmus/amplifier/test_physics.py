@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 
 from fmus.amplifier import physics
 from fmus.amplifier.waveform import CHOICES, next_edge, shape
+from fmus.law import elapsed
+from fmus.quantity import NO_REFERENCE
 
 INPUT = physics.Input()
 
@@ -119,7 +122,7 @@ def test_a_channel_without_capacitance_is_refused() -> None:
         physics.advance(
             physics.Params(),
             physics.initial(physics.Params(), INPUT, 0.0),
-            physics.Input(top_capacitance=0.0),
+            physics.Input(top_capacitance=-1e-12),
             0.0,
             1e-4,
         )
@@ -139,3 +142,24 @@ def test_a_law_beyond_all_measure_is_refused_or_solved_at_once(name: str, sign: 
     with contextlib.suppress(ValueError):
         after = physics.advance(p, x, u, 0.0, 1e-3)
         assert not math.isnan(after.top_voltage)
+
+
+def test_an_electrode_that_nothing_is_connected_to_waits() -> None:
+    """Other masters leave inputs at zero until the first exchange."""
+    empty = replace(INPUT, top_capacitance=0.0, bottom_capacitance=0.0)
+    p = physics.Params()
+    start = physics.initial(p, empty, 0.0)
+    waited = physics.advance(p, start, empty, 0.0, 1e-3)
+    assert (waited.top_voltage, waited.top_charge, waited.top_supplied) == (0.0, 0.0, 0.0)
+    charged = physics.advance(p, waited, INPUT, 1e-3, 1e-3)
+    assert charged.top_charge > 1e-6
+    with pytest.raises(ValueError, match="capacitance is not positive"):
+        physics.advance(p, charged, empty, 2e-3, 1e-3)
+    with pytest.raises(ValueError, match="capacitance is not positive"):
+        physics.initial(p, replace(empty, top_capacitance=-1e-9), 0.0)
+
+
+def test_a_reference_time_of_zero_is_none() -> None:
+    assert elapsed(3.0, 0.0) == 0.0
+    assert elapsed(3.0, NO_REFERENCE) == 0.0
+    assert elapsed(3.0, 2.5) == 0.5

@@ -23,6 +23,11 @@ from orchestrator.simulation import run
 runner = CliRunner()
 HOME = Path(fmus.__file__).parent / "replay"
 KINDS = ("held", "linear", "cubic", "band-limited")
+WAYS = [
+    *((kind, repeat, False) for kind in KINDS for repeat in ("false", "true", "0.05 s")),
+    *(("held", "false", True), ("band-limited", "true", True)),
+]
+"""Interpolation, continuation, and whether compiled: the source is the same, so two are enough."""
 ROWS = "time [ms],U (kV),mass flow [g/s],x[1],force.value [mN],force.rate [mN/s]\n"
 
 
@@ -47,15 +52,11 @@ def test_the_sample_is_what_the_sources_hold() -> None:
         assert (HOME.parent / path).read_bytes() == text, path
 
 
-@pytest.mark.parametrize("native", [False, True], ids=["python", "native"])
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("repeat", ["false", "true", "0.05 s"])
+@pytest.mark.parametrize(("kind", "repeat", "native"), WAYS)
 def test_the_fmu_gives_what_the_file_gives(
     tmp_path: Path, kind: str, repeat: str, native: bool
 ) -> None:
     """Every output, inside the record, beyond it and before it, at even and uneven steps."""
-    if native and (kind, repeat) not in {("held", "false"), ("band-limited", "true")}:
-        pytest.skip("the source is the same: two of them are enough")
     path = bench(tmp_path)
     keys = {"interpolation": kind, "repeat": repeat, "offset": "3 ms"}
     if repeat == "false":

@@ -1,0 +1,116 @@
+"""The recipes for other tools: each runs the vehicle, and with whole ports gets it right."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.exchange import Package, write_ssp
+from orchestrator.loading import load
+from orchestrator.reference import as_recorded, monolithic
+from orchestrator.simulation import run
+
+RECIPES = Path(__file__).resolve().parents[2] / "docs" / "recipes"
+OWN = {"cofmpy": Path(sys.prefix) / "cofmpy" / "bin" / "python"}
+"""Tools with an environment of their own, which the Makefile makes."""
+UNRUN = {"omsimulator"}
+"""Its package cannot be installed from the index alone."""
+SEQUENTIAL = {"cofmpy", "pathsim_fmi", "toolbox"}
+TOOLS = sorted({p.stem.removeprefix("with_") for p in RECIPES.glob("with_*.py")} - UNRUN)
+SCENE = "flapping-full-wings"
+TIME = {"stop": "10 cycles", "step": {"per_cycle": 100}}
+ANGLE = "linkage.flap_angle"
+
+
+def stroke(angles: np.ndarray) -> float:
+    """Peak to peak over the last cycle [deg]."""
+    return math.degrees(float(np.ptp(angles[-101:])))
+
+
+@pytest.fixture(scope="module")
+def archives(library: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """The scene with plain numbers and with whole ports."""
+    folder = tmp_path_factory.mktemp("recipes")
+    made = {}
+    for laws in ("held", "curvature"):
+        plan = load(SCENE, None, library, time=TIME, master={"laws": laws})
+        made[laws] = folder / f"{laws}.ssp"
+        write_ssp(Package(plan, {}), made[laws])
+    return made
+
+
+@cache
+def ours(library: Path, laws: str) -> float:
+    master = {"laws": laws, "kind": "gauss-seidel"}
+    return stroke(run(load(SCENE, None, library, time=TIME, master=master)).series(ANGLE))
+
+
+@cache
+def exact(library: Path) -> float:
+    plan = load(SCENE, None, library, time=TIME)
+    return stroke(as_recorded(run(monolithic(plan, library)), plan).series(ANGLE))
+
+
+def told(tool: str, archive: Path) -> dict[str, float]:
+    python = OWN.get(tool, Path(sys.executable))
+    if not python.exists():
+        pytest.skip(f"{tool} has an environment of its own: make {python.parent.parent}/ready")
+    done = subprocess.run(
+        [python, RECIPES / f"with_{tool}.py", archive], capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    found: dict[str, float] = json.loads(done.stdout.strip().splitlines()[-1])
+    return found
+
+
+@pytest.mark.parametrize("tool", TOOLS)
+def test_whole_ports_give_the_stroke(library: Path, archives: dict[str, Path], tool: str) -> None:
+    found = told(tool, archives["curvature"])
+    assert found["frequency"] == pytest.approx(18.0, rel=2e-3)
+    assert found["stroke"] == pytest.approx(exact(library), abs=0.1)
+    if tool in SEQUENTIAL:
+        assert found["stroke"] == pytest.approx(ours(library, "curvature"), abs=5e-3)
+
+
+@pytest.mark.parametrize("tool", TOOLS)
+def test_numbers_alone_are_degrees_off(library: Path, archives: dict[str, Path], tool: str) -> None:
+    """What the laws are good for, in every tool: seven degrees in sequence, twenty in parallel."""
+    found = told(tool, archives["held"])
+    gain = abs(found["stroke"] - exact(library)) / 0.1
+    assert gain > (60.0 if tool in SEQUENTIAL else 180.0)
+    if tool in SEQUENTIAL:
+        assert found["stroke"] == pytest.approx(ours(library, "held"), abs=5e-3)
+
+
+def test_the_container_is_a_part_of_ours(
+    library: Path, archives: dict[str, Path], tmp_path: Path
+) -> None:
+    """The toolbox's FMU of the whole vehicle, run by our master as one foreign unit."""
+    made = tmp_path / "vehicle.fmu"
+    done = subprocess.run(
+        [sys.executable, RECIPES / "with_toolbox.py", archives["curvature"], made],
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-2000:]
+    scene = tmp_path / "container.toml"
+    scene.write_text(
+        '[time]\nstop = "10 cycles"\nfrequency = "18 Hz"\nstep = { per_cycle = 100 }\n'
+        '[components.vehicle]\nfmu = "vehicle.fmu"\n'
+    )
+    outcome = run(load(scene, None, library))
+    assert outcome.failure is None
+    found = stroke(outcome.series("vehicle.flap_angle"))
+    assert found == pytest.approx(ours(library, "curvature"), abs=5e-3)
+
+
+def test_the_document_names_every_recipe() -> None:
+    text = (RECIPES.parent / "exchange.md").read_text(encoding="utf-8")
+    for path in RECIPES.glob("with_*.py"):
+        assert f"recipes/{path.name}" in text
