@@ -271,7 +271,7 @@ def scene_path(name: str, beside: Path | None = None) -> Path:
         return Path(name)
     if _is_folder(Path(name)):
         raise SceneError(f"{name}: is a folder, not a scene")
-    raise SceneError(f"no scene {printable(name)!r}; {nearest(name, shipped)}")
+    raise SceneError(f"no scene {printable(name)!r}; {nearest(name, shipped, show=40)}")
 
 
 def load_scenario(

@@ -15,6 +15,7 @@ The paper prints R in its equation 4 where this derivation has r: the force is
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,15 +78,22 @@ class Shape:
 def basis(modes: int) -> Basis:
     """Integrated Legendre modes (P_{k+1} - P_{k-1})/(2 (2k+1)), zero at both ends."""
     x, w = legendre.leggauss(3 * modes + 12)
-    shapes, slopes = [], []
+    slopes = []
     for k in range(1, modes + 1):
-        upper, lower = np.zeros(k + 2), np.zeros(k + 2)
-        upper[k + 1], lower[k - 1] = 1.0, 1.0
-        shapes.append(legendre.legval(x, (upper - lower) / (2.0 * (2 * k + 1))))
         unit = np.zeros(k + 1)
         unit[k] = 1.0
         slopes.append(legendre.legval(x, unit))
-    return Basis(0.5 * (x + 1.0), 0.5 * w, np.array(shapes), np.array(slopes))
+    return Basis(0.5 * (x + 1.0), 0.5 * w, _modes(modes, x), np.array(slopes))
+
+
+def _modes(count: int, x: Array) -> Array:
+    """The modes at x = 2 s - 1."""
+    shapes = []
+    for k in range(1, count + 1):
+        upper, lower = np.zeros(k + 2), np.zeros(k + 2)
+        upper[k + 1], lower[k - 1] = 1.0, 1.0
+        shapes.append(legendre.legval(x, (upper - lower) / (2.0 * (2 * k + 1))))
+    return np.array(shapes)
 
 
 @dataclass(frozen=True)
@@ -279,3 +287,14 @@ def shape(film: Film, found: Equilibrium) -> Shape:
         hoop_stress=d.w2,
         field=np.sqrt(found.square) / film.thickness * l1 * l2,
     )
+
+
+def profile(film: Film, found: Equilibrium, places: Sequence[float]) -> tuple[Array, Array]:
+    """Radius and height [m] of the points at s = ln(R/a)/ln(b/a), 0 to 1."""
+    half = len(found.coefficients) // 2
+    s = np.asarray(places, dtype=float)
+    shapes = _modes(half, 2.0 * s - 1.0)
+    flat = film.inner_radius * (film.outer_radius / film.inner_radius) ** s
+    radius = flat + film.outer_radius * (found.coefficients[:half] @ shapes)
+    height = found.height * (1.0 - s) + film.outer_radius * (found.coefficients[half:] @ shapes)
+    return radius, height

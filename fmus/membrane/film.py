@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-VACUUM_PERMITTIVITY = 8.8541878128e-12
+from ..constants import VACUUM_PERMITTIVITY
 
 Array = NDArray[np.float64]
 

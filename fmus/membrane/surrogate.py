@@ -20,8 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ..constants import VACUUM_PERMITTIVITY
 from .direct import Equilibrium, equilibrium, shape
-from .film import VACUUM_PERMITTIVITY, Array, Film
+from .film import Array, Film
 
 SPLINE = 5
 FIELD_POINTS = (16, 10)
@@ -89,7 +90,7 @@ def _next(local: Array, t: Array, k: int) -> Array:
     return wider
 
 
-def _samples(film: Film, span: Range, xs: Array, es: Array) -> list[list[Equilibrium]]:
+def samples(film: Film, span: Range, xs: Array, es: Array) -> list[list[Equilibrium]]:
     """Direct solutions of the unit film on a grid, each started from its neighbour."""
     rows: list[list[Equilibrium]] = []
     start: Equilibrium | None = None
@@ -108,6 +109,30 @@ def _samples(film: Film, span: Range, xs: Array, es: Array) -> list[list[Equilib
     return [rows[int(k)] for k in place]
 
 
+def solved(unit: Film, span: Range) -> list[list[Equilibrium]]:
+    """Direct solutions at the Chebyshev nodes of a range: a row for each x, from the lowest."""
+    tx, te = (_nodes(n) for n in span.nodes)
+    xs = span.lowest + (span.highest - span.lowest) * tx
+    return samples(unit, span, xs, span.loading * te)
+
+
+def splined(values: Array, cells: tuple[int, int]) -> Array:
+    """B-spline coefficients over `cells` of the polynomial through values at Chebyshev nodes."""
+    coefficients = values
+    for axis, (count, wanted) in enumerate(zip(values.shape, cells, strict=True)):
+        nodes = _nodes(count)
+        to_series = np.linalg.inv(chebyshev.chebvander(2.0 * nodes - 1.0, count - 1))
+        points = 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, 8 * wanted)))
+        dense = chebyshev.chebvander(2.0 * points - 1.0, count - 1)
+        fit = np.linalg.lstsq(cardinal(SPLINE, points, wanted), dense, rcond=None)[0] @ to_series
+        coefficients = fit @ coefficients if axis == 0 else coefficients @ fit.T
+    return coefficients
+
+
+def _nodes(count: int) -> Array:
+    return np.asarray(0.5 * (1.0 - np.cos(np.pi * (np.arange(count) + 0.5) / count)))
+
+
 def table(film: Film, span: Range) -> dict[str, Any]:
     """Table of a film over a range, as plain numbers and lists.
 
@@ -115,25 +140,10 @@ def table(film: Film, span: Range) -> dict[str, Any]:
     cell in x) and `field` (largest l1 l2 over the cone at a coarse grid).
     """
     unit = unit_film(film)
-    nx, ne = span.nodes
-    tx, te = (0.5 * (1.0 - np.cos(np.pi * (np.arange(n) + 0.5) / n)) for n in (nx, ne))
-    xs = span.lowest + (span.highest - span.lowest) * tx
-    found = _samples(unit, span, xs, span.loading * te)
-    energy = np.array([[point.energy for point in row] for row in found])
-    to_x = np.linalg.inv(chebyshev.chebvander(2.0 * tx - 1.0, nx - 1))
-    to_e = np.linalg.inv(chebyshev.chebvander(2.0 * te - 1.0, ne - 1))
-    series = to_x @ energy @ to_e.T
-    coefficients = series
-    for axis, cells in enumerate(span.cells):
-        count = series.shape[axis]
-        points = 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, 8 * cells)))
-        dense = chebyshev.chebvander(2.0 * points - 1.0, count - 1)
-        fit = np.linalg.lstsq(cardinal(SPLINE, points, cells), dense, rcond=None)[0]
-        coefficients = fit @ coefficients if axis == 0 else coefficients @ fit.T
+    found = solved(unit, span)
+    coefficients = splined(np.array([[point.energy for point in row] for row in found]), span.cells)
     gx, ge = (np.linspace(0.0, 1.0, n) for n in FIELD_POINTS)
-    coarse = _samples(
-        unit, span, span.lowest + (span.highest - span.lowest) * gx, span.loading * ge
-    )
+    coarse = samples(unit, span, span.lowest + (span.highest - span.lowest) * gx, span.loading * ge)
     profiles = [[shape(unit, point) for point in row] for row in coarse]
     return {
         "lowest": span.lowest,

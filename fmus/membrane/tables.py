@@ -1,18 +1,16 @@
-"""Tables of the shipped films as module constants.
-
-Inside an FMU they come from `tables.json`, which the build puts beside this file; in the
-source tree they are made on first use and kept under the user's cache folder.
-"""
+"""Tables of the shipped films as module constants, from the generated `tables.json`."""
 
 from __future__ import annotations
 
-import hashlib
 import json
-import os
-import tempfile
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from ..generated import shipped
+
+if TYPE_CHECKING:
+    from .film import Film
 
 HERE = Path(__file__).parent
 MATERIALS = HERE / "materials.toml"
@@ -28,6 +26,7 @@ KEYS = (
     "lowest",
     "highest",
 )
+SOURCES = ("film.py", "direct.py", "surrogate.py", "tables.py", "materials.toml")
 NODES = (24, 16)
 CELLS_X = 30
 CELLS_E = 20
@@ -39,10 +38,21 @@ def made(materials: str) -> str:
     Needs numpy; takes about half a second a film. Raises `ValueError` where a film is not
     described whole, or has no stable equilibrium over the range that its entry asks for.
     """
-    from .film import Film
     from .surrogate import Range, group, table
 
     tables = []
+    for data, film in described(materials):
+        loading = group(film, data["voltage"])
+        span = Range(data["lowest"], data["highest"], loading, NODES, (CELLS_X, CELLS_E))
+        tables.append(table(film, span))
+    return json.dumps(tables)
+
+
+def described(materials: str) -> list[tuple[dict[str, Any], Film]]:
+    """The entries of a materials file with their films; `ValueError` where one is not whole."""
+    from .film import Film
+
+    found = []
     for name, data in tomllib.loads(materials).items():
         missing = [key for key in KEYS if key not in data]
         if missing:
@@ -56,52 +66,22 @@ def made(materials: str) -> str:
             permittivity=data["permittivity"],
             prestretch=data["prestretch"],
         )
-        span = Range(
-            data["lowest"],
-            data["highest"],
-            group(film, data["voltage"]),
-            NODES,
-            (CELLS_X, CELLS_E),
-        )
-        tables.append(table(film, span))
-    return json.dumps(tables)
-
-
-def _cached() -> str:
-    """The tables of these sources from the cache, made and put there if they are missing."""
-    digest = hashlib.sha256()
-    for name in ("film.py", "direct.py", "surrogate.py", "tables.py", "materials.toml"):
-        digest.update((HERE / name).read_bytes())
-    root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    path = root / "resilin" / f"membrane-{digest.hexdigest()[:16]}.json"
-    if path.is_file():
-        return path.read_text(encoding="utf-8")
-    text = made(MATERIALS.read_text(encoding="utf-8"))
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(
-            "w", dir=path.parent, delete=False, encoding="utf-8"
-        ) as file:
-            file.write(text)
-        Path(file.name).replace(path)
-    except OSError:
-        pass
-    return text
+        found.append((data, film))
+    return found
 
 
 def _tuples(value: Any) -> Any:
     return tuple(_tuples(entry) for entry in value) if isinstance(value, list) else value
 
 
-def _loaded() -> list[dict[str, Any]]:
-    shipped = HERE / "tables.json"
-    text = shipped.read_text(encoding="utf-8") if shipped.is_file() else _cached()
-    tables: list[dict[str, Any]] = json.loads(text)
-    return tables
-
-
 FILMS: tuple[str, ...] = tuple(tomllib.loads(MATERIALS.read_text(encoding="utf-8")))
-_TABLES = _loaded()
+_TABLES: list[dict[str, Any]] = json.loads(
+    shipped(
+        HERE / "tables.json",
+        [HERE / name for name in SOURCES],
+        lambda: made(MATERIALS.read_text(encoding="utf-8")),
+    )
+)
 
 LOWEST: tuple[float, ...] = tuple(t["lowest"] for t in _TABLES)
 HIGHEST: tuple[float, ...] = tuple(t["highest"] for t in _TABLES)

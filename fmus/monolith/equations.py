@@ -219,7 +219,7 @@ def mechanics(c: Composition, x: float, v: float, force: float) -> linkage.Flow:
     """Acceleration and powers of the mechanism, whichever there is, under a force [N]."""
     if c.linked != 1.0:
         return linkage.Flow(
-            acceleration=force / c.payload.mass - c.payload.gravity,
+            acceleration=force / payload.moving(c.payload) - c.payload.gravity,
             force_power=force * v,
             viscous_power=0.0,
             friction_power=0.0,

@@ -1,4 +1,5 @@
-"""Mass on the spacer: M x'' = F(x, x', t) - M g, with F the law of the `force` port.
+"""Mass on the spacer: M x'' = F(x, x', t) - M g, with F the law of the `force` port and M the
+mass of spacer, payload and what of the films moves with them.
 
 Between two communication points the law is linear in x and x' and quadratic in time, so the
 motion is an entire function of time: it is summed as a Taylor series, exact to rounding,
@@ -25,6 +26,13 @@ class Params:
 
     mass: float = parameter(
         0.603e-3, "kg", "Mass of spacer and payload", "printed: table 1, DEA 1", least=1.0e-9
+    )
+    film_mass: float = parameter(
+        0.0,
+        "kg",
+        "Share of films, electrodes and air that moves with the spacer",
+        "chosen: none, as in the paper's own simplification",
+        least=0.0,
     )
     gravity: float = parameter(
         0.0, "m/s2", "Gravity along -x", "chosen: the bench axis is horizontal"
@@ -61,14 +69,19 @@ class Output:
     force_work: float = provided("J", "Work received through the force port")
 
 
+def moving(p: Params) -> float:
+    """Mass [kg] that the force accelerates."""
+    return p.mass + p.film_mass
+
+
 def initial(p: Params, u: Input, t: float) -> State:
     return State(displacement=p.start_displacement, velocity=p.start_velocity, force_work=0.0)
 
 
 def substeps(p: Params, u: Input, h: float) -> float:
     """Number of Taylor steps in `h` so that each spans at most `REACH` of the fastest rate."""
-    rate = math.sqrt(math.fabs(u.force_stiffness) / p.mass)
-    rate = rate + math.fabs(u.force_damping) / p.mass
+    rate = math.sqrt(math.fabs(u.force_stiffness) / moving(p))
+    rate = rate + math.fabs(u.force_damping) / moving(p)
     count = math.ceil(h * rate / REACH)
     if count > LONGEST:
         raise ValueError(
@@ -85,6 +98,7 @@ def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
     """
     count = substeps(p, u, h)
     span = h / count
+    mass = moving(p)
     displacement = x.displacement
     velocity = x.velocity
     start = elapsed(t, u.force_reference_time)
@@ -96,7 +110,7 @@ def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
             + u.force_damping * u.force_reference_velocity
             + u.force_rate * s
             + u.force_curvature * s * s
-            - p.mass * p.gravity
+            - mass * p.gravity
         )
         f1 = u.force_rate + 2.0 * u.force_curvature * s
         f2 = u.force_curvature
@@ -116,14 +130,14 @@ def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
             following = (
                 (force - u.force_stiffness * lower) * span * span
                 - u.force_damping * span * order * upper
-            ) / (p.mass * order * (order + 1.0))
+            ) / (mass * order * (order + 1.0))
             lower = upper
             upper = following
             displacement = displacement + upper
             velocity = velocity + (order + 1.0) * upper
         velocity = velocity / span
-    gained = 0.5 * p.mass * (velocity * velocity - x.velocity * x.velocity)
-    lifted = p.mass * p.gravity * (displacement - x.displacement)
+    gained = 0.5 * mass * (velocity * velocity - x.velocity * x.velocity)
+    lifted = mass * p.gravity * (displacement - x.displacement)
     return State(
         displacement=displacement,
         velocity=velocity,
@@ -138,7 +152,7 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         motion_reference_time=t,
         displacement=x.displacement,
         velocity=x.velocity,
-        kinetic_energy=0.5 * p.mass * x.velocity * x.velocity,
-        potential_energy=p.mass * p.gravity * x.displacement,
+        kinetic_energy=0.5 * moving(p) * x.velocity * x.velocity,
+        potential_energy=moving(p) * p.gravity * x.displacement,
         force_work=x.force_work,
     )

@@ -102,5 +102,5 @@ def _report(found: Reproduction) -> None:
         for row in item.rows:
             paper, ours, error = texts(row)
             cells = (row.number.quantity, row.reading, paper, ours, error, row.mark.kind)
-            table.add_row(*(printable(cell) for cell in cells))
+            table.add_row(*(printable(cell.replace("\N{NO-BREAK SPACE}", " ")) for cell in cells))
     Console().print(table)

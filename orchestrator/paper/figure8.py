@@ -10,7 +10,7 @@ from .lab import Lab
 from .measures import power
 from .numbers import given, number
 from .spectrum import Spectrum, resolution
-from .stacks import DEFINITION, LAYERS, stacks
+from .stacks import DEFINITION, LAYERS, once, payload_share, stacks
 
 FAR, FAR_SHARE, NEAR_SHARE = 20.0, 0.1, 0.5
 """What 'very low' means: a tenth of the peak at 20 Hz, a half just below 35 Hz."""
@@ -29,9 +29,10 @@ def figure8(lab: Lab) -> Item:
         scene = spectrum.sweep.scene
         rows.append(Row("figure8.resonance", peak.at, reading, wide, scene, spent))
         rows.append(_low(spectrum, peak.value, reading))
+    shares = [payload_share(lab, s) for s in found]
     curves = [
-        Curve(f"{n} layers", s.frequencies, [1e3 * v for v in s.values(power)], "line-points")
-        for n, s in zip(LAYERS, found, strict=True)
+        Curve(f"{n} layers", s.frequencies, [1e3 * k * v for v in s.values(once)], "line-points")
+        for n, s, k in zip(LAYERS, found, shares, strict=True)
     ]
     paper = Curve(
         *("paper, peaks of table 2", [float(number("figure8.resonance").value)] * len(LAYERS)),
@@ -39,10 +40,10 @@ def figure8(lab: Lab) -> Item:
     )
     plot = Plot(
         *("Power", Axis("frequency (Hz)", least=0.0, most=100.0)),
-        *(Axis("mean of the positive part (mW)", least=0.0), [*curves, paper]),
+        *(Axis("power, once a cycle (mW)", least=0.0), [*curves, paper]),
     )
     figure = Figure(
-        "figure8", "Power over frequency", "Mean of the positive part of M x'' x'.", [plot]
+        "figure8", "Power over frequency", "Largest kinetic energy of the payload times f.", [plot]
     )
     failures = [text for spectrum in found for text in spectrum.failures]
     return Item(

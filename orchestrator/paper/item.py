@@ -18,7 +18,8 @@ class Row:
 
     `ours` is SI, or words beside a claim, which it `agrees` with or not. `doubt` is the
     numerical error (half step, or the frequencies' spacing), SI. `reading` says which of the
-    readings this is, where the text leaves several.
+    readings this is, where the text leaves several; `model` which of ours it is, where its mark
+    differs from that of the others.
     """
 
     key: str
@@ -28,6 +29,7 @@ class Row:
     scene: str = ""
     wall_time: float = math.nan
     agrees: bool | None = None
+    model: str = ""
 
     @property
     def number(self) -> Number:
@@ -37,7 +39,7 @@ class Row:
     @property
     def mark(self) -> Mark:
         """What ours rests on."""
-        return mark(self.key)
+        return mark(self.key, self.model)
 
     @property
     def error(self) -> float:
@@ -83,6 +85,8 @@ class Item:
     failures: Sequence[str] = field(default_factory=tuple)
 
 
-def row(key: str, found: Measured, scene: str, reading: str = "") -> Row:
+def row(key: str, found: Measured, scene: str, reading: str = "", model: str = "") -> Row:
     """A row of a measured value."""
-    return Row(key, float(found.value), reading, float(found.doubt), scene, found.wall_time)
+    return Row(
+        key, float(found.value), reading, float(found.doubt), scene, found.wall_time, model=model
+    )

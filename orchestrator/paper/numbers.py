@@ -51,11 +51,16 @@ def number(key: str) -> Number:
     )
 
 
-def mark(key: str) -> Mark:
-    """The mark under `item.name`; `item.name_3` may be told by `item.name` for all of its kind."""
+def mark(key: str, model: str = "") -> Mark:
+    """The mark under `item.name`; `item.name_3` may be told by `item.name` for all of its kind.
+
+    Where one model's number rests on other things than another's, `item.name_model` comes first.
+    """
     item, _, name = key.partition(".")
     known = _read("marks")[item]
-    found = known.get(name) or known[name.rpartition("_")[0]]
+    stem = name.rpartition("_")[0]
+    wanted = [f"{name}_{model}", f"{stem}_{model}"] if model else []
+    found = next(known[each] for each in (*wanted, name, stem) if each in known)
     return Mark(found["mark"], str(found["basis"]))
 
 

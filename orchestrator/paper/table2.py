@@ -9,20 +9,18 @@ from .lab import Lab, Measured
 from .measures import gross, net, power
 from .numbers import given, number
 from .spectrum import Spectrum, doubt
-from .stacks import DEFINITION, LAYERS, stacks
-
-POSITIVE, MAGNITUDE = "mean of the positive part", "mean of the magnitude"
-READINGS = ((POSITIVE, 1.0), (MAGNITUDE, 2.0))
+from .stacks import DEFINITION, LAYERS, READINGS, payload_share, stacks
 
 
 def table2(lab: Lab) -> Item:
-    """The peaks of figure 8's sweeps, in both readings of the power."""
+    """The peaks of figure 8's sweeps, in all readings of the power."""
     found = dict(zip(LAYERS, stacks(lab), strict=True))
     tops: dict[int, Measured] = {}
     for n, spectrum in found.items():
         peak = spectrum.peak(power)
         if peak is not None:
-            tops[n] = doubt(lab, spectrum, peak, power)
+            top, share = doubt(lab, spectrum, peak, power), payload_share(lab, spectrum)
+            tops[n] = Measured(share * top.value, share * top.doubt, top.wall_time)
     rows: list[Row] = []
     for n, top in tops.items():
         for reading, times in READINGS:

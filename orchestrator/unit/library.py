@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import atexit
+import ctypes
+import hashlib
+import os
 from pathlib import Path
 from typing import Any
 
 from ..archive import platforms
-from ..errors import FmuError
+from ..errors import FmuError, printable
 from ..interface import Interface
 
 
@@ -40,10 +43,40 @@ def shared_library(interface: Interface, folder: Path) -> Path:
     )
 
 
+_ours: dict[tuple[str, bytes], Any] = {}
 _ending: set[int] = set()
 
 
-def end_in_order(library: Any) -> None:
+def loaded(interface: Interface, path: Path) -> Any:
+    """The library at a path, in this process.
+
+    One of ours is loaded once, however many runs unpack it: nothing takes a library out of a
+    process again, and thousands of copies, as a fit makes them, would use up its memory maps. One
+    of others may keep values from one instance to the next, so each run has a fresh copy.
+    """
+    if not interface.ours:
+        return _loaded(interface, path)
+    key = (path.name, hashlib.sha256(path.read_bytes()).digest())
+    if key not in _ours:
+        _ours[key] = _loaded(interface, path)
+    return _ours[key]
+
+
+def _loaded(interface: Interface, path: Path) -> Any:
+    cwd = Path.cwd()
+    try:
+        os.chdir(path.parent)
+        library = ctypes.CDLL(str(path))
+    except OSError as error:
+        message = printable(str(error), most=400)
+        raise FmuError(f"{interface.path}: cannot be loaded: {message}") from None
+    finally:
+        os.chdir(cwd)
+    _end_in_order(library)
+    return library
+
+
+def _end_in_order(library: Any) -> None:
     """Have PythonFMU's interpreter state freed while the process is still whole.
 
     Its library frees that state twice when the process takes it down, which corrupts the

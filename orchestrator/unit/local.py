@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import itertools
-import os
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -13,11 +12,11 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
-from ..errors import FmuError, UnitFailure, printable
+from ..errors import FmuError, UnitFailure
 from ..interface import Interface, Variable
 from .base import STATUS, Unit, Values
 from .exchange import Block, blocks, reader, writer
-from .library import end_in_order, shared_library
+from .library import loaded, shared_library
 
 FATAL = 4
 
@@ -40,7 +39,7 @@ class Local(Unit):
         self._why = ""
         self._saved = 0
         self._functions: dict[str, Any] = {}
-        self._library = self._load(shared_library(interface, folder))
+        self._library = loaded(interface, shared_library(interface, folder))
         self._instance = self._instantiate(folder)
         if not self._instance:
             raise UnitFailure(f"{name}: cannot be instantiated{self.said()}")
@@ -48,19 +47,6 @@ class Local(Unit):
         self._receive: list[Callable[[], int]] = []
         self._sent: list[Block] = []
         self._start: dict[str, float | str] = {}
-
-    def _load(self, path: Path) -> Any:
-        cwd = Path.cwd()
-        try:
-            os.chdir(path.parent)
-            library = ctypes.CDLL(str(path))
-        except OSError as error:
-            message = printable(str(error), most=400)
-            raise FmuError(f"{self.interface.path}: cannot be loaded: {message}") from None
-        finally:
-            os.chdir(cwd)
-        end_in_order(library)
-        return library
 
     def _function(self, name: str, *types: Any, result: Any = ctypes.c_int) -> Any:
         """A function of the library with its argument types."""

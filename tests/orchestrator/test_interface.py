@@ -118,7 +118,7 @@ def test_100000_variables_are_read(description: str, tmp_path: Path) -> None:
     scalars = "\n".join(scalar.format(k, k + 100) for k in range(100_000))
     path = fmu(tmp_path, replaced(description, "</ModelVariables>", f"{scalars}</ModelVariables>"))
     interface = read_interface(path)
-    assert len(interface.variables) == 100_020
+    assert len(interface.variables) == 100_021
     assert interface.variables["p99999"].start == 1.0
 
 
@@ -191,14 +191,14 @@ def test_model_exchange_alone_is_refused(description: str, tmp_path: Path) -> No
         (MASS, 'name="mass" valueReference="99999999999"', ["99999999999", "line "]),
         ('causality="parameter"', 'causality="boss"', ["'boss'", "line "]),
         ('variability="fixed"', 'variability="sometimes"', ["'sometimes'", "line "]),
-        ('<Unknown index="13"', '<Unknown index="99"', ["ModelStructure", "'99'", "line "]),
-        ('<Unknown index="13"', '<Unknown index="0"', ["ModelStructure", "'0'", "line "]),
-        ('<Unknown index="13"', '<Unknown index="-1"', ["index", "'-1'", "line "]),
-        ('<Unknown index="13"', '<Unknown index="\u00b2"', ["index", "line "]),
-        ('<Unknown index="13"', '<Unknown index="\u202e"', ["index", "line "]),
-        ('<Unknown index="13"', '<Unknown index=""', ["index", "line "]),
-        ('<Unknown index="13"', "<Unknown", ["index", "line "]),
-        ('<Unknown index="13"', f'<Unknown index="{"9" * 5000}"', ["index", "line "]),
+        ('<Unknown index="14"', '<Unknown index="99"', ["ModelStructure", "'99'", "line "]),
+        ('<Unknown index="14"', '<Unknown index="0"', ["ModelStructure", "'0'", "line "]),
+        ('<Unknown index="14"', '<Unknown index="-1"', ["index", "'-1'", "line "]),
+        ('<Unknown index="14"', '<Unknown index="\u00b2"', ["index", "line "]),
+        ('<Unknown index="14"', '<Unknown index="\u202e"', ["index", "line "]),
+        ('<Unknown index="14"', '<Unknown index=""', ["index", "line "]),
+        ('<Unknown index="14"', "<Unknown", ["index", "line "]),
+        ('<Unknown index="14"', f'<Unknown index="{"9" * 5000}"', ["index", "line "]),
         ('dependencies=""', 'dependencies="1 99"', ["ModelStructure", "'99'", "line "]),
         ('dependencies=""', 'dependencies="x"', ["dependencies", "'x'", "line "]),
         ('name="force" order="0"', 'name="force" order="first"', ["order", "line "]),
@@ -257,7 +257,7 @@ def test_all_faults_are_counted(description: str, tmp_path: Path) -> None:
 
 def test_alias_is_a_warning(description: str, tmp_path: Path) -> None:
     text = replaced(
-        description, 'name="velocity" valueReference="16"', 'name="velocity" valueReference="13"'
+        description, 'name="velocity" valueReference="17"', 'name="velocity" valueReference="14"'
     )
     interface = read_interface(fmu(tmp_path, text))
     (warning,) = interface.warnings

@@ -15,6 +15,7 @@ from orchestrator.scenario import scene_names
 from orchestrator.simulation import run
 from tests.conftest import Runner
 
+MAPS = Path("/proc/self/maps")
 RAMP = """
 [time]
 stop = 0.0103
@@ -118,6 +119,18 @@ def test_the_same_run_twice_is_bitwise_equal(outcome: Runner) -> None:
     one = outcome("flapping-full-wings", time={"stop": "3 cycles"})
     two = outcome("flapping-full-wings", time={"stop": "3 cycles"})
     assert one.rows.tobytes() == two.rows.tobytes()
+
+
+@pytest.mark.skipif(not MAPS.is_file(), reason="tells its memory maps on Linux only")
+def test_a_thousand_runs_are_no_more_than_two(outcome: Runner) -> None:
+    """Libraries stay in the process for good: of ours one copy does for all runs."""
+
+    def mapped() -> int:
+        outcome("oscillator-1", time={"stop": "0.1 cycles"})
+        return MAPS.read_text().count("/binaries/")
+
+    outcome("oscillator-1", time={"stop": "0.1 cycles"})
+    assert mapped() == mapped()
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,10 @@ class _Table(BaseModel):
 
 
 class Parameter(_Table):
-    """A start value `component.parameter` of some scenes; `value` is what they carry."""
+    """A start value `component.parameter` of some scenes; `value` is what they carry.
+
+    A scene named in `times` carries so many times the value: two layers, twice the mass.
+    """
 
     name: Text
     sets: Text
@@ -27,13 +30,21 @@ class Parameter(_Table):
     value: Quantity
     low: Quantity
     high: Quantity
+    times: dict[str, Annotated[float, Field(gt=0.0)]] = {}
+
+    @model_validator(mode="after")
+    def _known(self) -> Self:
+        if strange := sorted(set(self.times) - set(self.scenes)):
+            raise ValueError(f"times: {', '.join(strange)} is not among the scenes")
+        return self
 
 
 class Datum(_Table):
     """A number of the paper: a metric's peak over a parameter, in height or place, or its value.
 
-    A datum that is `held_out` is not fitted but predicted. `set` and `stop` change the scene;
-    the paper's number is `share` times the metric, one half for an amplitude of a travel.
+    A datum that is `held_out` is not fitted but predicted. `set`, `stop` and `step` change the
+    scene; the paper's number is `share` times the metric, one half for an amplitude of a travel.
+    `within` is how well it is known, relative: it counts by the inverse.
     """
 
     name: Text
@@ -46,7 +57,9 @@ class Datum(_Table):
     between: tuple[Quantity, Quantity] | None = None
     set: dict[str, Quantity] = {}
     stop: Quantity | None = None
+    step: Quantity | None = None
     share: Annotated[float, Field(gt=0.0)] = 1.0
+    within: Annotated[float, Field(gt=0.0)] = 1.0
     held_out: bool = False
 
     @model_validator(mode="after")

@@ -57,14 +57,14 @@ class Model:
         return found
 
     def carried(self, parameter: Parameter) -> list[float]:
-        """The value [SI] that each scene of a parameter really has."""
+        """The value [SI] that each scene of a parameter really has, its own times taken out."""
         component, _, name = parameter.sets.partition(".")
         found = []
         for scene in parameter.scenes:
             plan = self._plans.get(scene) or load(scene, None, self._library)
             known = plan.interfaces[component].variables[name]
             value = plan.starts[component].get(name, known.start)
-            found.append(float(value))  # type: ignore[arg-type]
+            found.append(float(value) / parameter.times.get(scene, 1.0))  # type: ignore[arg-type]
         return found
 
     def _si(self, parameter: Parameter, value: float | str) -> float:
@@ -85,7 +85,7 @@ class Model:
         changes: dict[str, Any] = dict(datum.set)
         for parameter, value in zip(self.fit.parameters, parameters, strict=True):
             if datum.scene in parameter.scenes:
-                changes[parameter.sets] = value
+                changes[parameter.sets] = value * parameter.times.get(datum.scene, 1.0)
         if datum.between is None:
             return Peak(0.0, self._metric(datum, changes))
         low, high = (si_value(end, "Hz") for end in datum.between)
@@ -103,7 +103,8 @@ class Model:
 
     def _metric(self, datum: Datum, changes: Mapping[str, Any]) -> float:
         """A metric of one run [SI]."""
-        time = {} if datum.stop is None else {"stop": datum.stop}
+        given = {"stop": datum.stop, "step": datum.step}
+        time = {key: value for key, value in given.items() if value is not None}
         plan = load(datum.scene, dict(changes), self._library, time=time)
         done = run(plan, estimate=False, interrupt=self._interrupt)
         if done.failure is not None:

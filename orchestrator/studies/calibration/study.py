@@ -56,20 +56,26 @@ class Calibration:
         return np.asarray(np.linalg.svd(self.sensitivity[used], compute_uv=False))
 
     @property
+    def covariance(self) -> Values:
+        """Covariance of the parameters' relative changes for one per cent of noise on every datum.
+
+        The fit weighs a datum by how well it is known: dp = (W S)^+ W dy, with W = 1/within.
+        """
+        used = [not datum.held_out for datum in self.fit.data]
+        weights = np.array([1.0 / datum.within for datum in self.fit.data])[used]
+        gain = np.linalg.pinv(weights[:, None] * self.sensitivity[used]) * weights
+        return np.asarray(1e-4 * gain @ gain.T)
+
+    @property
     def spread(self) -> Values:
         """Relative change of each parameter for one per cent of noise on every fitted datum."""
-        used = [not datum.held_out for datum in self.fit.data]
-        s = self.sensitivity[used]
-        return 0.01 * np.sqrt(np.diag(np.linalg.pinv(s.T @ s)))
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
     def correlation(self) -> Values:
         """Correlation of the parameters' errors under equal noise on the fitted data."""
-        used = [not datum.held_out for datum in self.fit.data]
-        s = self.sensitivity[used]
-        covariance = np.linalg.pinv(s.T @ s)
-        size = np.sqrt(np.diag(covariance))
-        return np.asarray(covariance / np.outer(size, size))
+        size = self.spread
+        return np.asarray(self.covariance / np.outer(size, size))
 
 
 def calibrate(
@@ -80,7 +86,7 @@ def calibrate(
     interrupt: Interrupt | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Calibration:
-    """Fit by least squares on relative errors, from the values that the scenes carry.
+    """Fit by least squares on relative errors, each by how well its datum is known.
 
     Parameters move as logarithms within their bounds. Without `refit` they stay, and errors
     and sensitivities are of the shipped values. Raises `SimulationError` where a scene stops
@@ -89,6 +95,7 @@ def calibrate(
     begun = perf_counter()
     model = Model(fit, library, interrupt)
     used = np.array([not datum.held_out for datum in fit.data])
+    within = np.array([datum.within for datum in fit.data])
     shipped, paper = np.array(model.start), np.array(model.paper)
     before = np.array(model.values(shipped.tolist()))
 
@@ -96,7 +103,7 @@ def calibrate(
         values = np.array(model.values((shipped * np.exp(logs)).tolist()))
         if tell is not None:
             tell(f"{model.runs} runs, largest error {np.abs(values / paper - 1.0)[used].max():.2e}")
-        return np.asarray((values / paper - 1.0)[used])
+        return np.asarray(((values / paper - 1.0) / within)[used])
 
     logs, message = np.zeros(len(shipped)), "not fitted again"
     if refit:

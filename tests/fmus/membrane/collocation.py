@@ -52,9 +52,10 @@ class Solution:
         `(2 pi eps/(T lp^2)) int l1^2 l2^2 R dR` [F].
     energy
         `Pi` [J], elastic energy minus `C V^2/2`.
+    flat_radius
+        `R` [m] of the collocation nodes, inner edge first.
     radius, height_profile
-        Deformed `r` and `z` [m] at the collocation nodes, inner edge first;
-        the node lies at `R = lp r/l2`.
+        Deformed `r` and `z` [m] at the same nodes.
     stretch_meridional, stretch_hoop
         `l1` and `l2` at the same nodes, both including the pre-stretch.
     """
@@ -62,6 +63,7 @@ class Solution:
     force: float
     capacitance: float
     energy: float
+    flat_radius: Array
     radius: Array
     height_profile: Array
     stretch_meridional: Array
@@ -335,6 +337,7 @@ def solve(
         force=lateral * thickness * mu * pull,
         capacitance=lateral * outer_radius / prestretch * permittivity / thickness * squares,
         energy=lateral * outer_radius / prestretch * thickness * mu * density,
+        flat_radius=outer_radius * np.exp(x),
         radius=outer_radius * y[0],
         height_profile=outer_radius * y[1],
         stretch_meridional=l1,

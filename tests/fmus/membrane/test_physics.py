@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import pytest
@@ -28,13 +29,15 @@ def static_stroke(p: physics.Params, voltage: float) -> float:
 
 
 def test_static_stroke_of_figure_3() -> None:
-    """2.19 mm, zero to peak, one cone at 1920 V: predicted, 10 % above the paper's 2 mm."""
-    assert static_stroke(BENCH, 1920.0) == pytest.approx(2.192e-3, rel=1e-3)
+    """Zero to peak, one cone at 1920 V; 2.8 is the middle of what silicones have."""
+    assert static_stroke(BENCH, 1920.0) == pytest.approx(2.023e-3, rel=1e-3)
+    usual = dataclasses.replace(BENCH, permittivity=2.8)
+    assert static_stroke(usual, 1920.0) == pytest.approx(2.192e-3, rel=1e-3)
 
 
 def test_the_vehicle_stack() -> None:
-    """331 N/m, 0.341 N blocked, 1.37 mm free, as the feasibility study has it."""
-    stack = physics.Params(loss_factor=0.0)
+    """331 N/m, 0.341 N blocked, 1.37 mm free at 2.8, as the feasibility study has it."""
+    stack = physics.Params(permittivity=2.8, loss_factor=0.0)
     assert at(stack).force_stiffness == pytest.approx(331.0, rel=2e-3)
     assert at(stack, top_voltage=1920.0).force_value == pytest.approx(0.341, rel=1e-2)
     assert static_stroke(stack, 1920.0) == pytest.approx(1.37e-3, rel=1e-2)
@@ -76,7 +79,7 @@ def test_law_members_are_derivatives(voltage: float, x: float) -> None:
 
 @pytest.mark.parametrize("frequency", [1.0, 3.0, 10.0, 30.0, 52.0, 100.0])
 def test_the_loss_factor_grows_as_it_should(frequency: float) -> None:
-    """Loss per cycle of a sine over pi K X^2 is eta (f/52)^0.4, within 2 %."""
+    """Loss per cycle of a sine over pi K X^2 is eta (f/52)^0.35, within 2 %."""
     omega, count = 2 * math.pi * frequency, 64
     b = loss.Branches(u0=0.0, u1=0.0, u2=0.0, u3=0.0, loss=0.0)
     h = 1.0 / frequency / count
@@ -87,7 +90,7 @@ def test_the_loss_factor_grows_as_it_should(frequency: float) -> None:
             marks.append(b.loss)
         b = loss.moved(b, v0, vm, v1, h)
     cycle = marks[-1] - marks[-2]
-    assert cycle / math.pi == pytest.approx((frequency / 52.0) ** 0.4, rel=0.025)
+    assert cycle / math.pi == pytest.approx((frequency / 52.0) ** 0.35, rel=0.025)
 
 
 @pytest.mark.parametrize("h", [1e-6, 1e-3, 1.0, 1e3])

@@ -10,7 +10,8 @@ import pytest
 from fmus.membrane import tables
 from fmus.membrane.direct import equilibrium
 from fmus.membrane.film import Film
-from fmus.membrane.potential import bends, extremes, potential, slopes, values
+from fmus.membrane.potential import extremes, potential
+from fmus.membrane.splines import bends, slopes, values
 from fmus.membrane.surrogate import cardinal, group, unit_film
 
 SILICONE = Film(4e-3, 20e-3, 40e-6, (1.287e5, 2.6e4), (2.0, 4.0), 2.8)

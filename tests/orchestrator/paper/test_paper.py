@@ -43,7 +43,8 @@ def test_every_number_has_a_mark_and_a_place() -> None:
     for item in ITEMS:
         assert numbers.keys(item)
         for key in numbers.keys(item):
-            stated, mark = numbers.number(key), numbers.mark(key)
+            stated = numbers.number(key)
+            mark = numbers.mark(key, "film")
             assert stated.quantity
             assert stated.where
             assert stated.scale > 0.0
@@ -57,8 +58,21 @@ def test_what_was_calibrated_on_is_no_prediction() -> None:
     predicted = [key for key, kind in kinds.items() if kind == "predicted"]
     assert predicted == ["figure11.full_wings_stroke"]
     assert set(kinds.values()) == {"predicted", "calibrated"}
-    for key in ("figure3.main_amplitude", "figure3.vhb_low", "table1.displacement_1"):
-        assert numbers.mark(key).kind == "calibrated"
+    for key, model in (
+        ("figure3.main_amplitude", "scene"),
+        ("figure3.vhb_low", ""),
+        ("table1.displacement_1", "film"),
+        ("table1.measured_5", "film"),
+    ):
+        assert numbers.mark(key, model).kind == "calibrated"
+
+
+def test_a_mark_of_one_model_is_not_that_of_another() -> None:
+    """A frequency of printed stiffness and mass follows from them; one of the film does not."""
+    assert numbers.mark("table1.measured_2", "spring").kind == "arithmetic"
+    assert numbers.mark("table1.measured_2", "film").kind == "calibrated"
+    assert numbers.mark("table1.displacement_4", "spring").kind == "predicted"
+    assert numbers.mark("figure3.low", "").kind == "undecidable"
 
 
 def test_scenes_of_the_paper_are_no_scenes_to_run() -> None:

@@ -144,8 +144,9 @@ def test_the_command(native: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_shipped_fits_hold(native: Path) -> None:
-    """The data that were fitted, within half a per cent; the one held out within 3 %."""
+    """Fitted data to 1.2 %, or to twice what they are known to; those held out within 5 %."""
     for fit in load_fits(shipped()):
         found = calibrate(fit, native, refit=False)
         for datum, error in zip(fit.data, found.errors, strict=True):
-            assert abs(error) < (0.03 if datum.held_out else 0.012), datum.name
+            known = 2.0 * datum.within if datum.within < 1.0 else 0.012
+            assert abs(error) < (0.05 if datum.held_out else known), datum.name

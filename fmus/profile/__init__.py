@@ -1,0 +1,1 @@
+"""Shape of both cones, for pictures and for what needs room around them."""
