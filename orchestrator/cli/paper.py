@@ -24,7 +24,7 @@ def add_to(app: typer.Typer) -> None:
 def paper(
     items: Annotated[
         list[str] | None,
-        typer.Argument(help="figure3, figure7, table1, figure8, table2, ...; all if not given."),
+        typer.Argument(help="figure3, figure7, table1, ..., or hovering, ...; all if not given."),
     ] = None,
     output: Annotated[
         Path, typer.Option(help="HTML page; pictures and finished runs go beside it.")
@@ -85,7 +85,7 @@ def paper(
 def _library(fmus: Path, native: bool | None) -> Path:
     """Where the parts are: those without Python if they are all there and nothing else is said."""
     if native is None and fmus == common.BUILT:
-        wanted = {"aero", "amplifier", "linkage", "membrane", "payload", "spring"}
+        wanted = {"aero", "amplifier", "linkage", "membrane", "payload", "profile", "spring"}
         native = wanted <= {path.stem for path in common.COMPILED.glob("*.fmu")}
     return common.library(fmus, bool(native))
 

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..errors import OutputError
+from .animation import Animation
 from .plot import Figure
 from .table import Table
 
@@ -43,7 +44,7 @@ class Notes:
     items: Sequence[str]
 
 
-Part = Words | Notes | Table | Figure
+Part = Words | Notes | Table | Figure | Animation
 
 
 @dataclass(frozen=True)

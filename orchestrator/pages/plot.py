@@ -57,18 +57,20 @@ class Figure:
 
     def data(self) -> list[dict[str, Any]]:
         """The plots as JSON has them, in the order that the page's script reads."""
-        return [
-            {
-                "title": plot.title,
-                "x": _axis(plot.x),
-                "y": _axis(plot.y),
-                "curves": [
-                    {"name": c.name, "style": c.style, "x": short(c.x), "y": short(c.y)}
-                    for c in plot.curves
-                ],
-            }
-            for plot in self.plots
-        ]
+        return [plotted(plot) for plot in self.plots]
+
+
+def plotted(plot: Plot) -> dict[str, Any]:
+    """A plot as JSON has it."""
+    return {
+        "title": plot.title,
+        "x": _axis(plot.x),
+        "y": _axis(plot.y),
+        "curves": [
+            {"name": c.name, "style": c.style, "x": short(c.x), "y": short(c.y)}
+            for c in plot.curves
+        ],
+    }
 
 
 def short(values: Iterable[float]) -> list[float | None]:

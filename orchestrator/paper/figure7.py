@@ -11,6 +11,7 @@ from ..pages.plot import Axis, Curve, Figure, Plot, Style
 from .item import Item, Row, row
 from .job import Answer, Job
 from .lab import Lab
+from .shapes import figure4
 
 SPACERS = (20, 25, 30)
 ACTIVE = "1920 V"
@@ -50,7 +51,9 @@ def figure7(lab: Lab) -> Item:
         for job, answer in zip(jobs, answers, strict=True)
         if answer.status != "done"
     ]
-    return Item("figure7", "Figure 7: quasi-static force", words, rows, [figure], failures)
+    shapes, stopped = figure4(lab)
+    title = "Figure 7: quasi-static force; figure 4: shapes"
+    return Item("figure7", title, words, rows, [figure, shapes], [*failures, *stopped])
 
 
 def _job(spacer: int, voltage: str = "") -> Job:

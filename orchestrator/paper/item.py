@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..pages.animation import Animation
 from ..pages.plot import Figure
+from ..pages.table import Table
 from .lab import Measured
 from .numbers import Mark, Number, mark, number
 
@@ -75,7 +77,10 @@ class Row:
 
 @dataclass(frozen=True)
 class Item:
-    """What one figure or table comes to. `failures` are the runs that stopped, in words."""
+    """What one figure or table comes to, or a section beyond the paper, which has no `rows`.
+
+    `extras` come after the figures; `failures` are the runs that stopped, in words.
+    """
 
     key: str
     title: str
@@ -83,6 +88,7 @@ class Item:
     rows: Sequence[Row]
     figures: Sequence[Figure] = field(default_factory=tuple)
     failures: Sequence[str] = field(default_factory=tuple)
+    extras: Sequence[Table | Animation] = field(default_factory=tuple)
 
 
 def row(key: str, found: Measured, scene: str, reading: str = "", model: str = "") -> Row:

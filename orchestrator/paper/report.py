@@ -30,8 +30,8 @@ MEANINGS: dict[MarkKind, str] = {
     "arithmetic": "follows from numbers that the paper prints, whatever the model",
 }
 LEFT_OUT = (
-    "Not here: figure 4, as no part gives out the membrane's shape; figure 5, the test of material"
-    " that gave the constants; curves of the experiments, which are printed as pictures only."
+    "Not here: figure 5, the test of material that gave the constants; curves of the experiments,"
+    " which are printed as pictures only."
 )
 DRAWN = "drawn.json"
 """Digests of the figures whose pictures stand beside the page."""
@@ -87,6 +87,12 @@ def facts(found: Reproduction) -> dict[str, Any]:
         "rows": [row.facts() for item in found.items for row in item.rows],
         "failures": found.failures,
         "curves": {figure.key: figure.data() for figure in figures(found)},
+        "tables": {
+            item.key: _plain(extra)
+            for item in found.items
+            for extra in item.extras
+            if isinstance(extra, Table)
+        },
     }
 
 
@@ -105,7 +111,23 @@ def texts(row: Row) -> tuple[str, str, str]:
     )
 
 
+def _plain(table: Table) -> list[dict[str, float | str]]:
+    """A table for scripts: values where cells have them, else texts."""
+    titles = [column.title for column in table.columns]
+    cells = [[cell.text if cell.sort is None else cell.sort for cell in row] for row in table.rows]
+    return [dict(zip(titles, row, strict=True)) for row in cells]
+
+
 def _summary(found: Reproduction) -> Iterator[Part]:
+    if any(item.rows for item in found.items):
+        yield from _all_rows(found)
+    yield Words((LEFT_OUT,))
+    if found.failures:
+        yield Words(("Runs that stopped, and are left out of curves and peaks:",))
+        yield Notes(found.failures)
+
+
+def _all_rows(found: Reproduction) -> Iterator[Part]:
     yield Words(
         (
             "Relative error is ours over the paper's, less one. Numerical error, in each item's own"
@@ -124,15 +146,16 @@ def _summary(found: Reproduction) -> Iterator[Part]:
         for row in item.rows
     ]
     yield Table("All numbers; press a heading to sort", columns, rows)
-    yield Words((LEFT_OUT,))
-    if found.failures:
-        yield Words(("Runs that stopped, and are left out of curves and peaks:",))
-        yield Notes(found.failures)
 
 
 def _parts(item: Item) -> Iterator[Part]:
     yield Words(item.words)
     yield from item.figures
+    yield from item.extras
+    if not item.rows:
+        if item.failures:
+            yield Notes(item.failures)
+        return
     columns = [
         Column("Quantity"), Column("Paper", number=True), Column("Ours", number=True),
         Column("Error", number=True), Column("Numerical error", number=True), Column("Mark"),

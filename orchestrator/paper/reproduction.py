@@ -7,6 +7,10 @@ from dataclasses import dataclass
 from time import perf_counter
 
 from ..errors import InputError, nearest, printable
+from .beyond.electrode import electrode
+from .beyond.hovering import hovering
+from .beyond.membrane import membrane
+from .beyond.superharmonic import superharmonic
 from .equation6 import equation6
 from .figure3 import figure3
 from .figure7 import figure7
@@ -14,6 +18,7 @@ from .figure8 import figure8
 from .figure9 import figure9
 from .figure11 import figure11
 from .figure13 import figure13
+from .flight import flight
 from .item import Item
 from .lab import Lab
 from .table1 import table1
@@ -30,6 +35,18 @@ ITEMS: dict[str, Callable[[Lab], Item]] = {
     "figure13": figure13,
     "equation6": equation6,
 }
+"""What the paper states numbers of."""
+
+BEYOND: dict[str, Callable[[Lab], Item]] = {
+    "animation": flight,
+    "membrane": membrane,
+    "superharmonic": superharmonic,
+    "electrode": electrode,
+    "hovering": hovering,
+}
+"""What it does not."""
+
+ALL = ITEMS | BEYOND
 
 
 @dataclass(frozen=True)
@@ -49,15 +66,14 @@ class Reproduction:
 def chosen(names: Sequence[str]) -> list[str]:
     """The items of these names in the paper's order; all where none is named."""
     for name in names:
-        if name not in ITEMS:
-            raise InputError(
-                f"no item {printable(name)!r} of the paper; {nearest(name, ITEMS, show=9)}"
-            )
-    return [name for name in ITEMS if name in names or not names]
+        if name not in ALL:
+            told = nearest(name, ALL, show=len(ALL))
+            raise InputError(f"no item {printable(name)!r} of the paper; {told}")
+    return [name for name in ALL if name in names or not names]
 
 
 def reproduced(names: Sequence[str], lab: Lab) -> Reproduction:
     """Run what the items need, each run once."""
     begun = perf_counter()
-    items = [ITEMS[name](lab) for name in chosen(names)]
+    items = [ALL[name](lab) for name in chosen(names)]
     return Reproduction(items, lab.ran, perf_counter() - begun)

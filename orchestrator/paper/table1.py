@@ -32,13 +32,19 @@ FILM = Model("film", "full membrane", "dea-{}")
 SPRING = Model("spring", "linear spring", "oscillator-{}")
 
 
-def table1(lab: Lab) -> Item:
-    """Sweeps about each predicted frequency, by both models at once."""
+def oscillators(lab: Lab) -> dict[Model, list[Spectrum]]:
+    """Sweeps about each predicted frequency, by the full membrane and by the spring."""
     models = (FILM, SPRING)
     sweeps = [Sweep(model.scene.format(k), _about(k)) for model in models for k in DEVICES]
     every = spectra(lab, sweeps, amplitude)
     count = len(DEVICES)
-    found = {model: every[k * count : (k + 1) * count] for k, model in enumerate(models)}
+    return {model: every[k * count : (k + 1) * count] for k, model in enumerate(models)}
+
+
+def table1(lab: Lab) -> Item:
+    """Frequencies and displacements of the five, by both models."""
+    found = oscillators(lab)
+    every = [spectrum for each in found.values() for spectrum in each]
     rows = [row for model, each in found.items() for row in _of_model(lab, model, each)]
     words = (
         "Two models. The full membrane is that of figures 3, 8 and 9, with one set of numbers for"

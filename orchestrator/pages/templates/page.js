@@ -173,6 +173,17 @@
       this.layer = made("g", { "clip-path": `url(#${this.clip})` }, this.svg);
       this.data.curves.forEach((curve, k) => this.hidden.has(k) || this.curve(curve, k));
       this.over = made("g", {}, this.svg);
+      this.hand = made("line", { class: "hand", y1: this.top, y2: this.top + this.high }, this.layer);
+      this.point(this.at);
+    }
+
+    /* A cursor at a value of the x axis; none where it is not given. */
+    point(x) {
+      this.at = x;
+      if (!this.hand) return;
+      const place = x === undefined ? -10 : this.left + ((x - this.view.x0) / (this.view.x1 - this.view.x0)) * this.wide;
+      this.hand.setAttribute("x1", place);
+      this.hand.setAttribute("x2", place);
     }
 
     curve(curve, k) {
@@ -331,6 +342,118 @@
   for (const figure of document.querySelectorAll("figure[data-plots]")) {
     const data = JSON.parse(document.getElementById(figure.dataset.plots).textContent);
     for (const plot of data) new Plot(plot, figure);
+  }
+
+  const SPEEDS = [["1:1", 1], ["1:10", 10], ["1:30", 30], ["1:100", 100], ["1:300", 300]];
+  const SLOW = 30;
+
+  /* Bodies through a window; up is up. */
+  class View {
+    constructor(data, parent) {
+      this.bodies = data.bodies;
+      const [x0, y0, x1, y1] = data.window;
+      const box = html("div", parent, undefined, "plot view");
+      html("h3", box, data.title);
+      const frame = { viewBox: `${x0} ${-y1} ${x1 - x0} ${y1 - y0}`, role: "img", "aria-label": data.title };
+      const svg = made("svg", frame, box);
+      this.paths = data.bodies.map((body) => made("path", { class: `body ${body.kind}` }, svg));
+      html("div", box, undefined, "readout").textContent = `Width ${x1 - x0} mm.`;
+    }
+
+    show(frame, share) {
+      const mixed = (rows) => {
+        const row = rows[Math.min(frame, rows.length - 1)];
+        const next = rows[Math.min(frame + 1, rows.length - 1)];
+        return row.map((value, k) => value + share * (next[k] - value));
+      };
+      this.bodies.forEach((body, n) => {
+        const x = mixed(body.x);
+        const y = mixed(body.y);
+        const path = this.paths[n];
+        let d = "";
+        if (body.kind === "joint") d = `M${x[0] - 0.6} ${-y[0]}a.6 .6 0 1 0 1.2 0a.6 .6 0 1 0 -1.2 0z`;
+        else x.forEach((value, k) => { d += `${k ? "L" : "M"}${value.toFixed(3)} ${(-y[k]).toFixed(3)}`; });
+        path.setAttribute("d", d);
+        if (body.level.length) {
+          const level = body.level[Math.min(frame, body.level.length - 1)];
+          path.setAttribute("fill-opacity", (0.08 + 0.8 * level).toFixed(3));
+        }
+      });
+    }
+  }
+
+  class Film {
+    constructor(data, parent) {
+      this.times = data.times;
+      this.span = data.times[data.times.length - 1];
+      this.at = 0;
+      this.slow = SLOW;
+      this.controls(data, parent);
+      this.views = data.views.map((view) => new View(view, parent));
+      this.plots = data.plots.map((plot) => new Plot(plot, parent));
+      this.show();
+    }
+
+    controls(data, parent) {
+      const row = html("div", parent, undefined, "controls");
+      this.button = html("button", row, "Play");
+      this.button.type = "button";
+      this.button.addEventListener("click", () => (this.playing ? this.stop() : this.play()));
+      const label = html("label", row, "Time ");
+      this.slider = html("input", label);
+      this.slider.type = "range";
+      this.slider.min = 0;
+      this.slider.max = data.times.length - 1;
+      this.slider.step = 1;
+      this.slider.addEventListener("input", () => {
+        this.stop();
+        this.at = this.times[Number(this.slider.value)];
+        this.show();
+      });
+      this.clock = html("span", row, "", "clock");
+      const speed = html("label", row, "Speed ");
+      const choice = html("select", speed);
+      for (const [name, slow] of SPEEDS) {
+        const option = html("option", choice, name);
+        option.value = slow;
+        option.selected = slow === SLOW;
+      }
+      choice.addEventListener("change", () => { this.slow = Number(choice.value); });
+    }
+
+    play() {
+      this.playing = true;
+      this.button.textContent = "Pause";
+      let before;
+      const step = (now) => {
+        if (!this.playing) return;
+        if (before !== undefined) this.at = (this.at + (now - before) / this.slow) % this.span;
+        before = now;
+        this.show();
+        requestAnimationFrame(step);
+      };
+      requestAnimationFrame(step);
+    }
+
+    stop() {
+      this.playing = false;
+      this.button.textContent = "Play";
+    }
+
+    show() {
+      let frame = 0;
+      while (frame < this.times.length - 2 && this.times[frame + 1] <= this.at) frame++;
+      const share = (this.at - this.times[frame]) / (this.times[frame + 1] - this.times[frame]);
+      for (const view of this.views) view.show(frame, share);
+      for (const plot of this.plots) plot.point(this.at);
+      this.slider.value = frame + Math.round(share);
+      this.slider.setAttribute("aria-valuetext", `${this.at.toFixed(1)} ms`);
+      this.clock.textContent = `${this.at.toFixed(1)} of ${this.span.toFixed(1)} ms`;
+    }
+  }
+
+  for (const figure of document.querySelectorAll("figure[data-film]")) {
+    new Film(JSON.parse(document.getElementById(figure.dataset.film).textContent), figure);
   }
 
   /* Sorting: a button in each heading; a second press turns the order round. */

@@ -1,0 +1,1 @@
+"""Sections beyond the paper: questions that it raises and a run can answer."""
