@@ -24,7 +24,7 @@ from orchestrator.paper.job import Answer, Job, carry_out, identity
 from orchestrator.paper.lab import Lab
 from orchestrator.paper.measures import amplitude, harmonics, power
 from orchestrator.paper.report import TONES, facts, page
-from orchestrator.paper.reproduction import ITEMS, Reproduction, chosen
+from orchestrator.paper.reproduction import BEYOND, ITEMS, Reproduction, chosen
 from orchestrator.paper.spectrum import Spectrum, Sweep, spectra
 from orchestrator.paper.store import Store
 from orchestrator.scenario import scene_names
@@ -90,7 +90,7 @@ def test_a_row_against_the_paper() -> None:
 
 
 def test_names_of_items() -> None:
-    assert chosen([]) == list(ITEMS)
+    assert chosen([]) == [*ITEMS, *BEYOND]
     assert chosen(["table1", "figure3"]) == ["figure3", "table1"]
     with pytest.raises(InputError, match="did you mean 'figure11'"):
         chosen(["figure 11"])
@@ -223,7 +223,7 @@ def test_the_page_holds_every_row(quick: list[Item], library: Path) -> None:
         assert f'id="{item.key}"' in text
     told = facts(found)
     assert len(told["rows"]) == sum(len(item.rows) for item in quick)
-    assert {"figure7", "figure13a", "figure13b", "equation6"} == set(told["curves"])
+    assert {"figure4", "figure7", "figure13a", "figure13b", "equation6"} == set(told["curves"])
 
 
 def test_the_command_and_its_second_time(library: Path, tmp_path: Path) -> None:
@@ -275,6 +275,24 @@ def test_all_of_the_paper(native: Path, tmp_path: Path) -> None:
     assert target.stat().st_size < 8e6
     rows = {row["key"]: row for row in told["rows"]}
     assert rows["figure11.full_wings_stroke"]["ours"] == pytest.approx(64.8, rel=1e-2)
+    beyond_the_paper(told["tables"])
     again = json.loads(runner.invoke(app, line).stdout)
     assert again["runs"] == 0
     assert again["rows"] == told["rows"]
+
+
+def beyond_the_paper(tables: dict[str, list[dict[str, float | str]]]) -> None:
+    """What the sections beyond the paper say in words, by the numbers of their tables."""
+    assert set(tables) == set(BEYOND) - {"animation"}
+    first = {(r["Model"], r["Drive"]): r for r in tables["superharmonic"]}
+    for model in ("full membrane", "linear spring"):
+        assert first[model, "half-wave sine"]["Main over first"] == pytest.approx(3.0, rel=0.03)
+    assert first["linear spring", "raised sine"]["First peak"] == "none"
+    cost = {str(r["Drive"]): r for r in tables["electrode"]}
+    at_46 = [float(cost[f"{n} layers, 46 Hz"]["0.5 mA"]) for n in (2, 4, 6, 8)]
+    assert at_46 == sorted(at_46, reverse=True)
+    assert at_46[0] > 0.9 and at_46[-1] < 0.4
+    share = [r for r in tables["hovering"] if float(r["Drive"]) < 2000.0]
+    assert max(float(r["Lift over cones"]) for r in share) < 0.1
+    known = next(r for r in share if (r["Wing"], r["Layers"]) == (0.04, 8) and r["Drive"] == 1920.0)
+    assert known["Frequency"] == pytest.approx(18.0, rel=0.03)
