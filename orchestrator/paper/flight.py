@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..pages.animation import Animation, Body, View
+from ..pages.animation import Animation, Body, Kind, View
 from ..pages.plot import Axis, Curve, Plot
 from .item import Item
 from .job import Answer, Job
@@ -69,14 +69,13 @@ def _film(answer: Answer) -> Animation:
     )
 
 
-def _shown(name: str, kind: str, lines: Iterator[Line] | list[Line], level: Values | None = None
-           ) -> Body:  # fmt: skip
+def _shown(name: str, kind: Kind, lines: Iterable[Line], level: Sequence[float] = ()) -> Body:
+    """A body of outlines in metres, one for each frame."""
     every = list(lines)
     return Body(
-        name, kind,  # type: ignore[arg-type]
-        [(1e3 * x).tolist() for x, _ in every], [(1e3 * y).tolist() for _, y in every],
-        () if level is None else level.tolist(),
-    )  # fmt: skip
+        *(name, kind, [(1e3 * x).tolist() for x, _ in every]),
+        *([(1e3 * y).tolist() for _, y in every], level),
+    )
 
 
 def _mirrored(body: Body) -> Body:
@@ -98,7 +97,10 @@ def _actuator(answer: Answer) -> list[Body]:
                 FRAME + np.concatenate([z[::-1], z]),
             )
 
-    levels = [answer.series(f"{n}.voltage") / float(given("drive")) for n in ("top", "bottom")]
+    levels = [
+        np.clip(answer.series(f"{name}.voltage") / float(given("drive")), 0.0, 1.0).tolist()
+        for name in ("top", "bottom")
+    ]
     slider = links().conrod
     rod = [(np.zeros(2), np.array([FRAME - half + x, slider + x])) for x in place]
     frames = [
@@ -107,8 +109,8 @@ def _actuator(answer: Answer) -> list[Body]:
     ]
     return [
         *(_shown("frame", "fixed", [line]) for line in frames),
-        _shown("top cone", "film", cone("top", 1.0), np.clip(levels[0], 0.0, 1.0)),
-        _shown("bottom cone", "film", cone("bottom", -1.0), np.clip(levels[1], 0.0, 1.0)),
+        _shown("top cone", "film", cone("top", 1.0), levels[0]),
+        _shown("bottom cone", "film", cone("bottom", -1.0), levels[1]),
         _shown("rod", "link", rod),
     ]
 

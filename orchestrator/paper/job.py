@@ -132,6 +132,13 @@ def plan_of(job: Job, library: Path) -> Plan:
     return load(job.scene, dict(job.changes), library, **job.options())
 
 
+def start_of(plan: Plan, key: str) -> float:
+    """Start value [SI] of a scene's `component.parameter`: the scene's own, or the FMU's."""
+    component, _, name = key.partition(".")
+    known = plan.starts[component].get(name, plan.interfaces[component].variables[name].start)
+    return float(known)  # type: ignore[arg-type]
+
+
 def answer_of(content: Mapping[str, Any]) -> Answer:
     """The answer behind a worker's, or behind a file's JSON."""
     rows = {str(n): np.asarray(values, dtype=float) for n, values in content["rows"].items()}

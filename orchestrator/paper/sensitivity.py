@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from .job import Answer, Job, plan_of
+from .job import Answer, Job, plan_of, start_of
 from .lab import Lab
 
 SHARE = 0.02
@@ -51,8 +51,5 @@ def told(slopes: Mapping[str, float]) -> str:
 
 
 def _changed(lab: Lab, job: Job, key: str, sign: float) -> Job:
-    component, _, name = key.partition(".")
-    plan = plan_of(job, lab.library)
-    known = plan.starts[component].get(name, plan.interfaces[component].variables[name].start)
-    value = float(known) * (1.0 + sign * SHARE)  # type: ignore[arg-type]
+    value = start_of(plan_of(job, lab.library), key) * (1.0 + sign * SHARE)
     return replace(job, changes={**job.changes, key: repr(value)})

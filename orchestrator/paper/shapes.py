@@ -17,7 +17,12 @@ POINTS = 6
 NODES = 0.5 * (1.0 - np.cos(np.pi * np.arange(POINTS + 2) / (POINTS + 1)))
 """Both rims and the points between, in s = ln(R/a)/ln(b/a): see the README of `profile`."""
 
+SCENE, SPACER = "shape-test", 30e-3
+"""The scene of the rail, and the height of its spacer [m]: a cone is half of it high at rest."""
+
 HEIGHTS = (8, 12, 16, 20)
+"""Heights of the top cone that are shown [mm]."""
+
 ACTIVE = "1920 V"
 
 
@@ -52,7 +57,7 @@ def figure4(lab: Lab) -> tuple[Figure, list[str]]:
     for answer, kind in zip(answers, ("passive", ACTIVE), strict=True):
         if answer.status != "done":
             continue
-        place = answer.series("rig.displacement") + 0.5 * 30e-3
+        place = answer.series("rig.displacement") + 0.5 * SPACER
         for height in HEIGHTS:
             k = int(np.argmin(np.abs(place - 1e-3 * height)))
             rim = (float(given("bench_inner_radius")), float(place[k]))
@@ -76,4 +81,4 @@ def figure4(lab: Lab) -> tuple[Figure, list[str]]:
 
 def _job(hold: dict[str, str]) -> Job:
     keep = ("rig.displacement", "profile.top_shape.*")
-    return Job("shape-test", hold=hold, keep=keep, step=0.02, cycles=0)
+    return Job(SCENE, hold=hold, keep=keep, step=0.02, cycles=0)

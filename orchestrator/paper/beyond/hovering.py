@@ -8,13 +8,16 @@ from dataclasses import dataclass
 
 from ...pages.plot import Axis, Curve, Figure, Plot
 from ...pages.table import Column, Table, quantity
+from ...plan import Plan
 from ..equation6 import GRAVITY, mass
 from ..item import Item
+from ..job import Job, plan_of, start_of
 from ..lab import Lab
 from ..measures import lift, net, stroke
 from ..numbers import given
 from ..spectrum import Spectrum, Sweep, spectra
 
+PROTOTYPE = "flapping-full-wings"
 TITLE = "Beyond: what hovering would take"
 DRIVES = (1380.0, 1920.0, 2700.0)
 LAYERS = (8, 16, 32, 64)
@@ -23,14 +26,11 @@ SHARES = (0.55, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25)
 PULL_IN = 2000.0
 """Voltage [V] above which the film's table has no stable cone; see fmus/membrane/materials.toml."""
 
-STIFFNESS, DAMPING, FORCE, CAPACITANCE = 331.0, 0.167, 0.098, 3.24e-9
-"""The spring of eight layers, as `flapping-full-wings` has it."""
+FILM = 25.35e-6
+"""What each more layer adds that moves [kg]: half of what `power-2` has for two."""
 
-SLIDER, FILM = 7.158e-3, 25.35e-6
-"""Slider with eight layers [kg], and what each more adds that moves [kg]: 0.0507 g for a pair."""
-
-INERTIA, ADDED = 8.185e-8, 6.4e-9
-"""Both wings of 40 mm, and the air they move [kg m^2]: the first guess of a frequency, no more."""
+ADDED = 6.4e-9
+"""Inertia of the air that wings of 40 mm move [kg m^2]: for the first guess of a frequency."""
 
 STOPS = math.radians(118.0)
 """Stroke between the stops [rad]."""
@@ -50,29 +50,37 @@ class Vehicle:
     length: float
 
     @property
+    def times(self) -> float:
+        """Layers by those of the prototype."""
+        return self.layers / LAYERS[0]
+
+    @property
     def actuator(self) -> float:
         """Mass of both cones, by the paper's 0.12 g of a layer [kg]."""
         return float(given("cones")) * self.layers * float(given("layer_mass"))
 
-    def sweep(self) -> Sweep:
+    def sweep(self, prototype: Plan) -> Sweep:
         """Frequencies about the resonance that small motion would have."""
-        times = self.layers / LAYERS[0]
-        wings = (self.length / LENGTHS[0]) ** 4
-        slider = SLIDER + FILM * (self.layers - LAYERS[0])
-        moving = slider + (INERTIA + ADDED) * wings * LEVER**2
-        middle = math.sqrt(STIFFNESS * times / moving) / math.tau
+        times, wings = self.times, (self.length / LENGTHS[0]) ** 4
+        stiffness = times * start_of(prototype, "spring.stiffness")
+        slider = start_of(prototype, "linkage.slider_mass") + FILM * (self.layers - LAYERS[0])
+        inertia = wings * start_of(prototype, "linkage.wing_inertia")
+        moving = slider + (inertia + wings * ADDED) * LEVER**2
+        middle = math.sqrt(stiffness / moving) / math.tau
         changes = {
-            "amplifier.amplitude": f"{self.drive!r} V",
-            "spring.stiffness": f"{times * STIFFNESS!r} N/m",
-            "spring.damping": f"{times * DAMPING!r} N*s/m",
-            "spring.blocked_force": f"{times * FORCE!r} N",
-            "spring.capacitance": f"{times * CAPACITANCE!r} F",
-            "linkage.slider_mass": f"{slider!r} kg",
-            "linkage.wing_inertia": f"{wings * INERTIA!r} kg*m^2",
-            "aero.wing_length": f"{self.length!r} m",
+            "amplifier.amplitude": self.drive,
+            "spring.stiffness": stiffness,
+            **{
+                f"spring.{name}": times * start_of(prototype, f"spring.{name}")
+                for name in ("damping", "blocked_force", "capacitance")
+            },
+            "linkage.slider_mass": slider,
+            "linkage.wing_inertia": inertia,
+            "aero.wing_length": self.length,
         }
         places = [round(share * middle, 3) for share in SHARES]
-        return Sweep("hovering", places, changes, keep=KEPT, settle=1.2, cycles=5)
+        told = {key: repr(value) for key, value in changes.items()}
+        return Sweep("hovering", places, told, keep=KEPT, settle=1.2, cycles=5)
 
 
 @dataclass(frozen=True)
@@ -108,7 +116,8 @@ class Found:
 def hovering(lab: Lab) -> Item:
     """Sweeps of all vehicles at once; the largest lift of each."""
     every = [Vehicle(v, n, r) for r in LENGTHS for n in LAYERS for v in DRIVES]
-    swept = spectra(lab, [vehicle.sweep() for vehicle in every], lift)
+    prototype = plan_of(Job(PROTOTYPE), lab.library)
+    swept = spectra(lab, [vehicle.sweep(prototype) for vehicle in every], lift)
     found = [f for v, s in zip(every, swept, strict=True) if (f := _best(v, s)) is not None]
     failures = [text for spectrum in swept for text in spectrum.failures]
     if not found:
