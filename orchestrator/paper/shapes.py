@@ -52,31 +52,33 @@ def points(answer: Answer, cone: str, k: int) -> tuple[Values, Values]:
 def figure4(lab: Lab) -> tuple[Figure, list[str]]:
     """Meridians of the top cone at four heights, passive and active; and what stopped."""
     jobs = [_job({}), _job({"profile.top.voltage": ACTIVE})]
-    curves = []
     answers = lab.answers(jobs)
-    for answer, kind in zip(answers, ("passive", ACTIVE), strict=True):
-        if answer.status != "done":
-            continue
-        place = answer.series("rig.displacement") + 0.5 * SPACER
-        for height in HEIGHTS:
-            k = int(np.argmin(np.abs(place - 1e-3 * height)))
-            rim = (float(given("bench_inner_radius")), float(place[k]))
-            outer = float(given("bench_outer_radius"))
-            r, z = outline(*points(answer, "top", k), rim, outer, 40)
-            curves.append(
-                Curve(
-                    f"{height} mm, {kind}", (1e3 * r).tolist(), (1e3 * z).tolist(),
-                    "line" if kind == "passive" else "dashed",
-                )
-            )  # fmt: skip
+    across, up = Axis("radius (mm)"), Axis("axial position (mm)", least=0.0, most=21.0)
+    plots = [
+        Plot(title, across, up, _meridians(answer))
+        for title, answer in zip(("A: passive", f"B: {ACTIVE}"), answers, strict=True)
+        if answer.status == "done"
+    ]
     figure = Figure(
         "figure4",
         "Shape of a cone",
-        "Meridians r(R), z(R) at four heights, passive and with 1920 V; scene shape-test. The"
-        " voltage lets the film bulge: radii in its middle grow, since both rims are held.",
-        [Plot("Figure 4: membrane", Axis("radius (mm)"), Axis("axial position (mm)"), curves)],
+        "Meridians r(R), z(R) of the top cone at four heights; scene shape-test. Passive it is"
+        " hollow; the voltage stretches the film where both rims hold it, so that it fills out.",
+        plots,
     )
-    return figure, [f"{jobs[0].scene}: {a.reason}" for a in answers if a.status != "done"]
+    return figure, [f"{SCENE}: {a.reason}" for a in answers if a.status != "done"]
+
+
+def _meridians(answer: Answer) -> list[Curve]:
+    place = answer.series("rig.displacement") + 0.5 * SPACER
+    curves = []
+    for height in HEIGHTS:
+        k = int(np.argmin(np.abs(place - 1e-3 * height)))
+        rim = (float(given("bench_inner_radius")), float(place[k]))
+        outer = float(given("bench_outer_radius"))
+        r, z = outline(*points(answer, "top", k), rim, outer, 40)
+        curves.append(Curve(f"{height} mm", (1e3 * r).tolist(), (1e3 * z).tolist()))
+    return curves
 
 
 def _job(hold: dict[str, str]) -> Job:

@@ -122,9 +122,8 @@ def test_the_cones_bulge_under_voltage(lab: Lab) -> None:
     """Radii are monotone along a meridian, and larger in its middle when active."""
     figure, stopped = figure4(lab)
     assert not stopped
-    (plot,) = figure.plots
-    half = len(plot.curves) // 2
-    for passive, active in zip(plot.curves[:half], plot.curves[half:], strict=True):
+    hollow, full = figure.plots
+    for passive, active in zip(hollow.curves, full.curves, strict=True):
         assert all(a < b for a, b in pairwise(passive.x))
         assert passive.x[0] == pytest.approx(4.0)
         heights = np.interp(10.0, passive.x, passive.y), np.interp(10.0, active.x, active.y)
