@@ -95,6 +95,8 @@ def _limit(lab: Lab, spectrum: Spectrum) -> tuple[list[Row], str]:
         for name, answer in zip(limited, kept, strict=True)
     )
     return rows, (
-        f"The paper's amplifier gives 1 W at most; the scenes set no limit. At {near:g} Hz and"
-        f" {LAYERS[-1]} layers, {told}."
+        "The paper's amplifier gives 1 W at most; the scenes set no limit, and what they draw on"
+        " the mean stays below it. Held at every instant, as a supply without a reservoir would,"
+        " it costs"
+        f" more: at {near:g} Hz and {LAYERS[-1]} layers, {told}."
     )
