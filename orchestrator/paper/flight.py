@@ -46,8 +46,8 @@ def flight(lab: Lab) -> Item:
         "What the run of scene flapping-shapes recorded over its last cycle, to scale: cones, rod"
         " and links in section, wings from the front. The cones are the film's own equilibrium at"
         " the recorded voltages and displacement; fuller colour is higher voltage. The wing's"
-        " chord is seen as far as feathering turns it into view. Which link is which, and how far"
-        " the actuator sits below the linkage, are inferred.",
+        " chord is seen as far as feathering turns it into view; a positive angle is down. Which"
+        " link is which, and how far the actuator sits below the linkage, are inferred.",
     )
     return Item("animation", TITLE, words, (), extras=[_film(answer)])
 

@@ -47,7 +47,8 @@ def electrode(lab: Lab) -> Item:
         "Sines ask for a current of at most the capacitance times the voltage's slope; a square"
         " wave asks for an edge, so the vehicle is late by C V / I even where the mean current is"
         " small. 0.5 mA is what 1 W gives at 1920 V. The resistance of 0.1 MOhm is assumed in all"
-        " scenes, with table 2's droop in sight.",
+        " scenes, with table 2's droop in sight. Scene electrode-limit has 1 MOhm and"
+        " 0.5 mA at once.",
     )
     return Item(
         *("electrode", TITLE, words, (), [_drawn(shares)], failures),
