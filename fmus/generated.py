@@ -11,6 +11,12 @@ import os
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
+
+
+def tuples(value: Any) -> Any:
+    """Lists within lists, as JSON has them, as tuples within tuples."""
+    return tuple(tuples(entry) for entry in value) if isinstance(value, list) else value
 
 
 def shipped(path: Path, sources: Sequence[Path], make: Callable[[], str]) -> str:

@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..generated import shipped
+from ..generated import shipped, tuples
 
 if TYPE_CHECKING:
     from .film import Film
@@ -70,10 +70,6 @@ def described(materials: str) -> list[tuple[dict[str, Any], Film]]:
     return found
 
 
-def _tuples(value: Any) -> Any:
-    return tuple(_tuples(entry) for entry in value) if isinstance(value, list) else value
-
-
 FILMS: tuple[str, ...] = tuple(tomllib.loads(MATERIALS.read_text(encoding="utf-8")))
 _TABLES: list[dict[str, Any]] = json.loads(
     shipped(
@@ -87,6 +83,6 @@ LOWEST: tuple[float, ...] = tuple(t["lowest"] for t in _TABLES)
 HIGHEST: tuple[float, ...] = tuple(t["highest"] for t in _TABLES)
 LOADING: tuple[float, ...] = tuple(t["loading"] for t in _TABLES)
 PRESTRETCH: tuple[float, ...] = tuple(t["prestretch"] for t in _TABLES)
-POTENTIAL: tuple[tuple[tuple[float, ...], ...], ...] = _tuples([t["potential"] for t in _TABLES])
-FIELD: tuple[tuple[tuple[float, ...], ...], ...] = _tuples([t["field"] for t in _TABLES])
-HOOP: tuple[tuple[tuple[float, ...], ...], ...] = _tuples([t["hoop"] for t in _TABLES])
+POTENTIAL: tuple[tuple[tuple[float, ...], ...], ...] = tuples([t["potential"] for t in _TABLES])
+FIELD: tuple[tuple[tuple[float, ...], ...], ...] = tuples([t["field"] for t in _TABLES])
+HOOP: tuple[tuple[tuple[float, ...], ...], ...] = tuples([t["hoop"] for t in _TABLES])

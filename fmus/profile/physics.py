@@ -58,6 +58,10 @@ class State:
     time: float
 
 
+Six = tuple[float, float, float, float, float, float]
+Spot = tuple[int, int, Six, Six]
+"""A cell of a table in x and e, and the weights of the splines there."""
+
 _TOP = ("top", "motion")
 _BOTTOM = ("bottom", "motion")
 
@@ -146,8 +150,8 @@ def loading(p: Params, voltage: float) -> float:
     return VACUUM_PERMITTIVITY * p.permittivity * field * field / p.modulus
 
 
-def place(rows: tuple[tuple[float, ...], ...], film: int, x: float, e: float) -> float:
-    """A tabled length over b, at x and e; below the table as at its lowest x."""
+def spot(film: int, x: float, e: float) -> Spot:
+    """Where x and e are in a film's table; below it at its lowest x."""
     if e > LOADING[film]:
         raise ValueError("the voltage is above the film's table: near or past pull-in")
     if x > HIGHEST[film]:
@@ -156,8 +160,12 @@ def place(rows: tuple[tuple[float, ...], ...], film: int, x: float, e: float) ->
     place_e = e * CELLS_E / LOADING[film]
     cell_x = min(int(place_x), CELLS_X - 1)
     cell_e = min(int(place_e), CELLS_E - 1)
-    n = values(place_x - float(cell_x))
-    m = values(place_e - float(cell_e))
+    return cell_x, cell_e, values(place_x - float(cell_x)), values(place_e - float(cell_e))
+
+
+def place(rows: tuple[tuple[float, ...], ...], at: Spot) -> float:
+    """A tabled length over b."""
+    cell_x, cell_e, n, m = at
     found = 0.0
     for i in range(6):
         row = rows[cell_x + i]
@@ -166,12 +174,11 @@ def place(rows: tuple[tuple[float, ...], ...], film: int, x: float, e: float) ->
     return found
 
 
-def axial(film: int, k: int, x: float, e: float) -> float:
-    """Height of a point over b; below the table that of its lowest x, in proportion."""
-    found = place(HEIGHT[film][k], film, x, e)
+def taut(film: int, x: float) -> float:
+    """What a cone has of the height in its table: less than 1 where it is slack, below it."""
     if x < LOWEST[film]:
-        return found * max(0.0, x) / LOWEST[film]
-    return found
+        return max(0.0, x) / LOWEST[film]
+    return 1.0
 
 
 def initial(p: Params, u: Input, t: float) -> State:
@@ -185,33 +192,35 @@ def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
 def observe(p: Params, x: State, u: Input, t: float) -> Output:
     """Both shapes; `ValueError` above the film's table in height or voltage."""
     film = int(p.film) - 1
-    top = (0.5 * p.spacer + u.motion_displacement) / p.outer_radius
-    bottom = (0.5 * p.spacer - u.motion_displacement) / p.outer_radius
-    top_load = loading(p, u.top_voltage)
-    bottom_load = loading(p, u.bottom_voltage)
+    top_x = (0.5 * p.spacer + u.motion_displacement) / p.outer_radius
+    bottom_x = (0.5 * p.spacer - u.motion_displacement) / p.outer_radius
+    top = spot(film, top_x, loading(p, u.top_voltage))
+    bottom = spot(film, bottom_x, loading(p, u.bottom_voltage))
+    upper = p.outer_radius * taut(film, top_x)
+    lower = p.outer_radius * taut(film, bottom_x)
     return Output(
-        top_shape_radius_1=p.outer_radius * place(RADIUS[film][0], film, top, top_load),
-        top_shape_axial_1=p.outer_radius * axial(film, 0, top, top_load),
-        top_shape_radius_2=p.outer_radius * place(RADIUS[film][1], film, top, top_load),
-        top_shape_axial_2=p.outer_radius * axial(film, 1, top, top_load),
-        top_shape_radius_3=p.outer_radius * place(RADIUS[film][2], film, top, top_load),
-        top_shape_axial_3=p.outer_radius * axial(film, 2, top, top_load),
-        top_shape_radius_4=p.outer_radius * place(RADIUS[film][3], film, top, top_load),
-        top_shape_axial_4=p.outer_radius * axial(film, 3, top, top_load),
-        top_shape_radius_5=p.outer_radius * place(RADIUS[film][4], film, top, top_load),
-        top_shape_axial_5=p.outer_radius * axial(film, 4, top, top_load),
-        top_shape_radius_6=p.outer_radius * place(RADIUS[film][5], film, top, top_load),
-        top_shape_axial_6=p.outer_radius * axial(film, 5, top, top_load),
-        bottom_shape_radius_1=p.outer_radius * place(RADIUS[film][0], film, bottom, bottom_load),
-        bottom_shape_axial_1=-p.outer_radius * axial(film, 0, bottom, bottom_load),
-        bottom_shape_radius_2=p.outer_radius * place(RADIUS[film][1], film, bottom, bottom_load),
-        bottom_shape_axial_2=-p.outer_radius * axial(film, 1, bottom, bottom_load),
-        bottom_shape_radius_3=p.outer_radius * place(RADIUS[film][2], film, bottom, bottom_load),
-        bottom_shape_axial_3=-p.outer_radius * axial(film, 2, bottom, bottom_load),
-        bottom_shape_radius_4=p.outer_radius * place(RADIUS[film][3], film, bottom, bottom_load),
-        bottom_shape_axial_4=-p.outer_radius * axial(film, 3, bottom, bottom_load),
-        bottom_shape_radius_5=p.outer_radius * place(RADIUS[film][4], film, bottom, bottom_load),
-        bottom_shape_axial_5=-p.outer_radius * axial(film, 4, bottom, bottom_load),
-        bottom_shape_radius_6=p.outer_radius * place(RADIUS[film][5], film, bottom, bottom_load),
-        bottom_shape_axial_6=-p.outer_radius * axial(film, 5, bottom, bottom_load),
+        top_shape_radius_1=p.outer_radius * place(RADIUS[film][0], top),
+        top_shape_axial_1=upper * place(HEIGHT[film][0], top),
+        top_shape_radius_2=p.outer_radius * place(RADIUS[film][1], top),
+        top_shape_axial_2=upper * place(HEIGHT[film][1], top),
+        top_shape_radius_3=p.outer_radius * place(RADIUS[film][2], top),
+        top_shape_axial_3=upper * place(HEIGHT[film][2], top),
+        top_shape_radius_4=p.outer_radius * place(RADIUS[film][3], top),
+        top_shape_axial_4=upper * place(HEIGHT[film][3], top),
+        top_shape_radius_5=p.outer_radius * place(RADIUS[film][4], top),
+        top_shape_axial_5=upper * place(HEIGHT[film][4], top),
+        top_shape_radius_6=p.outer_radius * place(RADIUS[film][5], top),
+        top_shape_axial_6=upper * place(HEIGHT[film][5], top),
+        bottom_shape_radius_1=p.outer_radius * place(RADIUS[film][0], bottom),
+        bottom_shape_axial_1=-lower * place(HEIGHT[film][0], bottom),
+        bottom_shape_radius_2=p.outer_radius * place(RADIUS[film][1], bottom),
+        bottom_shape_axial_2=-lower * place(HEIGHT[film][1], bottom),
+        bottom_shape_radius_3=p.outer_radius * place(RADIUS[film][2], bottom),
+        bottom_shape_axial_3=-lower * place(HEIGHT[film][2], bottom),
+        bottom_shape_radius_4=p.outer_radius * place(RADIUS[film][3], bottom),
+        bottom_shape_axial_4=-lower * place(HEIGHT[film][3], bottom),
+        bottom_shape_radius_5=p.outer_radius * place(RADIUS[film][4], bottom),
+        bottom_shape_axial_5=-lower * place(HEIGHT[film][4], bottom),
+        bottom_shape_radius_6=p.outer_radius * place(RADIUS[film][5], bottom),
+        bottom_shape_axial_6=-lower * place(HEIGHT[film][5], bottom),
     )

@@ -12,7 +12,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from ..generated import shipped
+from ..generated import shipped, tuples
 
 HERE = Path(__file__).parent
 MEMBRANE = HERE.parent / "membrane"
@@ -56,10 +56,6 @@ def made(materials: str) -> str:
     return json.dumps(tables)
 
 
-def _tuples(value: Any) -> Any:
-    return tuple(_tuples(entry) for entry in value) if isinstance(value, list) else value
-
-
 _TABLES: list[dict[str, Any]] = json.loads(
     shipped(
         HERE / "tables.json",
@@ -74,5 +70,5 @@ FILMS: tuple[str, ...] = tuple(tomllib.loads(MATERIALS.read_text(encoding="utf-8
 LOWEST: tuple[float, ...] = tuple(t["lowest"] for t in _TABLES)
 HIGHEST: tuple[float, ...] = tuple(t["highest"] for t in _TABLES)
 LOADING: tuple[float, ...] = tuple(t["loading"] for t in _TABLES)
-RADIUS: Places = _tuples([t["radius"] for t in _TABLES])
-HEIGHT: Places = _tuples([t["height"] for t in _TABLES])
+RADIUS: Places = tuples([t["radius"] for t in _TABLES])
+HEIGHT: Places = tuples([t["height"] for t in _TABLES])

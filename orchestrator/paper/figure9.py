@@ -24,7 +24,7 @@ def figure9(lab: Lab) -> Item:
     title = "Figure 9: energies at resonance"
     if peak is None:
         return Item("figure9", title, (), (), (), spectrum.failures)
-    frequency = min(spectrum.frequencies, key=lambda f: abs(f - peak.at))
+    frequency = spectrum.nearest(peak.at)
     kept = ("payload.displacement", "payload.kinetic_energy", "spring.elastic_energy")
     job = replace(spectrum.sweep.job(frequency), keep=kept, per_cycle=120)
 

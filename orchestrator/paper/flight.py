@@ -53,11 +53,11 @@ def flight(lab: Lab) -> Item:
 
 
 def _film(answer: Answer) -> Animation:
-    right = [*_wing(answer), *_links(answer)]
-    whole = [*_actuator(answer), *right, *map(_mirrored, right)]
+    middle, right = _actuator(answer), [*_wing(answer), *_links(answer)]
+    whole = [*middle, *right, *map(_mirrored, right)]
     views = [
         View("Vehicle", (-66.0, -28.0, 66.0, 42.0), whole),
-        View("Linkage and cones", (-16.0, -24.0, 32.0, 14.0), [*_actuator(answer), *right]),
+        View("Linkage and cones", (-16.0, -24.0, 32.0, 14.0), [*middle, *right]),
     ]
     return Animation(
         "animation",

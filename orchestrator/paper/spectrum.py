@@ -93,6 +93,10 @@ class Spectrum:
         coarse = [abs(found - _crossing(places[k::2], level)) for k in (0, 1)]
         return Measured(found, max(coarse), self.wall_time)
 
+    def nearest(self, frequency: float) -> float:
+        """The frequency that was run nearest to one that may not have been."""
+        return min(self.frequencies, key=lambda f: abs(f - frequency))
+
     def at(self, frequency: float, measure: Measure) -> float:
         """A measure at a frequency that was run."""
         return _value(self.answers[frequency], measure)
@@ -144,8 +148,7 @@ def spectra(
 
 def doubt(lab: Lab, spectrum: Spectrum, peak: Peak, measure: Measure) -> Measured:
     """The top's value with its numerical error: the half step at the frequency nearest to it."""
-    near = min(spectrum.frequencies, key=lambda f: abs(f - peak.at))
-    told = lab.measured(spectrum.sweep.job(near), measure)
+    told = lab.measured(spectrum.sweep.job(spectrum.nearest(peak.at)), measure)
     return Measured(peak.value, told.doubt, spectrum.wall_time)
 
 

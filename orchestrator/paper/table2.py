@@ -49,7 +49,7 @@ def _rests_on(lab: Lab, found: dict[int, Spectrum]) -> str:
         spectrum = found[n]
         peak = spectrum.peak(power)
         at = peak.at if peak is not None else float(number("figure8.resonance").value)
-        jobs.append(spectrum.sweep.job(min(spectrum.frequencies, key=lambda f: abs(f - at))))
+        jobs.append(spectrum.sweep.job(spectrum.nearest(at)))
     two, four = sensitivities(lab, jobs, power)
     apart = {name: four[name] - two[name] for name in two}
     return (
@@ -72,7 +72,7 @@ def _limit(lab: Lab, spectrum: Spectrum) -> tuple[list[Row], str]:
     """What the amplifier gives at the largest stack's peak, and what a limit of it would cost."""
     peak = spectrum.peak(power)
     assert peak is not None
-    near = min(spectrum.frequencies, key=lambda f: abs(f - peak.at))
+    near = spectrum.nearest(peak.at)
     job, scene = spectrum.sweep.job(near), spectrum.sweep.scene
     names = ("amplifier.*.voltage", "amplifier.top_current", "amplifier.bottom_current")
     electric = replace(job, record=names, keep=names, per_cycle=240)

@@ -62,10 +62,11 @@ def _job(name: str, frequency: int, kind: str, value: float) -> Job:
     changes["amplifier.resistance"] = f"{resistance!r} Ohm"
     if kind == "I":
         changes["amplifier.current_limit"] = f"{value!r} A"
-    if name == VEHICLE:
-        return Job("flapping-full-wings", changes, keep=KEPT, length=40, per_cycle=120, cycles=4)
-    scene = f"power-{name.split()[0]}"
-    return Job(scene, changes, keep=KEPT, length=40, per_cycle=120, cycles=4)
+    return Job(_scene(name), changes, keep=KEPT, length=40, per_cycle=120, cycles=4)
+
+
+def _scene(name: str) -> str:
+    return "flapping-full-wings" if name == VEHICLE else f"power-{name.split()[0]}"
 
 
 Way = tuple[str, float]
@@ -128,6 +129,5 @@ def _table(
             answer = each["R", resistance]
             drawn = net(answer) if answer.status == "done" else math.nan
             row.append(quantity(drawn, f"{1e3 * drawn:.0f} mW"))
-        scene = "flapping-full-wings" if name == VEHICLE else f"power-{name.split()[0]}"
-        rows.append([*row, Cell(scene)])
+        rows.append([*row, Cell(_scene(name))])
     return Table("Amplitude left, of that with an ideal drive; net power drawn", columns, rows)

@@ -92,7 +92,6 @@ class Found:
     lift: float
     stroke: float
     power: float
-    wall_time: float
 
     @property
     def share(self) -> float:
@@ -150,9 +149,8 @@ def _best(vehicle: Vehicle, spectrum: Spectrum) -> Found | None:
     peak = spectrum.peak(lift)
     if peak is None:
         return None
-    near = min(spectrum.frequencies, key=lambda f: abs(f - peak.at))
-    answer = spectrum.answers[near]
-    return Found(vehicle, peak.at, peak.value, stroke(answer), net(answer), spectrum.wall_time)
+    answer = spectrum.answers[spectrum.nearest(peak.at)]
+    return Found(vehicle, peak.at, peak.value, stroke(answer), net(answer))
 
 
 def _said(found: Found) -> str:
