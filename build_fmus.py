@@ -122,8 +122,8 @@ def open_recorded(path: Path, name: str, settings: dict[str, str]) -> Any:
     Raises :class:`BuildError` with what is wrong of the keys or of the file.
     """
     from orchestrator.errors import RecordingError, SceneError
-    from orchestrator.recording import open_recording
-    from orchestrator.scenario import scenario_of
+    from orchestrator.recording.recording import open_recording
+    from orchestrator.scenario.parse import scenario_of
 
     component: dict[str, Any] = {"data": str(path.absolute())}
     for key, text in settings.items():
@@ -153,7 +153,7 @@ def recorded_files(recording: Any) -> dict[str, bytes]:
     """Sources of a replay that are made from a recording, in SI."""
     import numpy as np
 
-    from fmus.replay.making import Record, Told, files
+    from fmus.replay.generate import Record, Told, files
     from orchestrator.errors import printable
 
     track = recording.track

@@ -20,12 +20,12 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from orchestrator import unit
-from orchestrator.loading import load
-from orchestrator.plan import LIBRARY
-from orchestrator.reference import as_recorded, monolithic
-from orchestrator.results import Outcome
-from orchestrator.simulation import run
+from orchestrator.fmi import instance
+from orchestrator.results.outcome import Outcome
+from orchestrator.scenario.plan import LIBRARY
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
+from orchestrator.studies.reference.monolith import as_recorded, monolithic
 
 BASE = 10
 """Points per cycle at which solutions are compared; every ladder entry is a multiple."""
@@ -38,16 +38,16 @@ class FmiClock:
 
     def __init__(self) -> None:
         self.spent = 0.0
-        self._own = {name: getattr(unit.Unit, name) for name in ("send", "step", "receive")}
+        self._own = {name: getattr(instance.Unit, name) for name in ("send", "step", "receive")}
 
     def __enter__(self) -> FmiClock:
         for name, function in self._own.items():
-            setattr(unit.Unit, name, self._timed(function))
+            setattr(instance.Unit, name, self._timed(function))
         return self
 
     def __exit__(self, *exception: object) -> None:
         for name, function in self._own.items():
-            setattr(unit.Unit, name, function)
+            setattr(instance.Unit, name, function)
 
     def _timed(self, function: Any) -> Any:
         def timed(*arguments: Any) -> None:

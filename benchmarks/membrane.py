@@ -24,8 +24,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
 from fmus.membrane import physics
-from fmus.membrane.direct import Equilibrium, NoEquilibriumError, equilibrium
 from fmus.membrane.film import Film, density
+from fmus.membrane.ritz_solver import Equilibrium, NoEquilibriumError, equilibrium
 from fmus.membrane.surrogate import Range, cardinal, group, table
 
 FILM = Film(4e-3, 20e-3, 40e-6, (1.287e5, 2.6e4), (2.0, 4.0), 2.8)

@@ -19,14 +19,14 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.archive import extract
-from orchestrator.interface import read_interface
-from orchestrator.loading import load
-from orchestrator.masters import GaussSeidel
-from orchestrator.plan import LIBRARY, NATIVE
-from orchestrator.simulation import advance
-from orchestrator.system import System
-from orchestrator.unit import Local, in_process
+from orchestrator.fmi.archive import extract
+from orchestrator.fmi.description import read_interface
+from orchestrator.fmi.instance import Local, in_process
+from orchestrator.scenario.plan import LIBRARY, NATIVE
+from orchestrator.simulation.load import load
+from orchestrator.simulation.masters import GaussSeidel
+from orchestrator.simulation.run import advance
+from orchestrator.simulation.system import System
 
 STEPS = 200
 REPEATS = 9

@@ -12,11 +12,11 @@ import sys
 from collections.abc import Callable
 from time import perf_counter
 
-from orchestrator.loading import load
-from orchestrator.masters import GaussSeidel
-from orchestrator.plan import Plan
-from orchestrator.simulation import advance
-from orchestrator.system import System
+from orchestrator.scenario.plan import Plan
+from orchestrator.simulation.load import load
+from orchestrator.simulation.masters import GaussSeidel
+from orchestrator.simulation.run import advance
+from orchestrator.simulation.system import System
 
 STEPS = 1000
 REPEATS = 7

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator.loading import load
-from orchestrator.plan import LIBRARY
-from orchestrator.results import Outcome
-from orchestrator.simulation import run
-from orchestrator.tape import taped, write_tape
+from orchestrator.results.outcome import Outcome
+from orchestrator.results.port_recording import taped, write_tape
+from orchestrator.scenario.plan import LIBRARY
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
 
 KINDS = ("held", "linear", "cubic", "band-limited")
 STOP = "10 cycles"

@@ -18,11 +18,11 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from orchestrator.loading import load
-from orchestrator.metrics import metrics
-from orchestrator.plan import LIBRARY
-from orchestrator.results import dataset
-from orchestrator.simulation import run
+from orchestrator.results.metrics import metrics
+from orchestrator.results.netcdf import dataset
+from orchestrator.scenario.plan import LIBRARY
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
 
 STEPS_PER_SECOND = 1500
 """Least rate of communication: the mass moves at its own frequency however slow the drive."""

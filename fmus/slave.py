@@ -60,7 +60,7 @@ class PhysicsSlave(Fmi2Slave):
     def to_xml(self, model_options: dict[str, str] | None = None) -> Any:
         """Describe the part; the exporter asks once, at build time."""
         del model_options
-        from .description import model_description
+        from .model_description import model_description
 
         return model_description(
             self.part, type(self).__name__, self.digest, self.release, self._variables

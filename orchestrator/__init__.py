@@ -9,24 +9,24 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .loading import load
-    from .results import dataset
-    from .simulation import run
+    from .results.netcdf import dataset
+    from .simulation.load import load
+    from .simulation.run import run
 
 __all__ = ["dataset", "load", "run"]
 
 
 def __getattr__(name: str) -> Any:
     if name == "load":
-        from .loading import load
+        from .simulation.load import load
 
         return load
     if name == "run":
-        from .simulation import run
+        from .simulation.run import run
 
         return run
     if name == "dataset":
-        from .results import dataset
+        from .results.netcdf import dataset
 
         return dataset
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import build_fmus
-from orchestrator.loading import load
-from orchestrator.results import Outcome
-from orchestrator.simulation import run
+from orchestrator.results.outcome import Outcome
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 

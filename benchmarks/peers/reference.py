@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.plan import Plan
-from orchestrator.reference import as_recorded, monolithic
-from orchestrator.simulation import replay
+from orchestrator.scenario.plan import Plan
+from orchestrator.simulation.run import replay
+from orchestrator.studies.reference.monolith import as_recorded, monolithic
 
 from .wiring import POINTS, moving, plan_of
 

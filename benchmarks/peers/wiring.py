@@ -6,7 +6,7 @@ from pathlib import Path
 
 from build_fmus import build
 from orchestrator import load
-from orchestrator.plan import Plan
+from orchestrator.scenario.plan import Plan
 
 from .case import Case, Component, Start, Watched, Wire
 

@@ -17,16 +17,7 @@ from dataclasses import dataclass
 
 from ..law import elapsed
 from ..quantity import NO_REFERENCE, UNLIMITED, parameter, provided, received
-from .electrode import (
-    Electrode,
-    Law,
-    charge_at,
-    charged,
-    chord,
-    frozen,
-    voltage,
-    voltage_rate,
-)
+from .electrode import Electrode, Law, charge_at, charged, chord, frozen, voltage, voltage_rate
 from .relaxation import limited
 from .waveform import CHOICES, CONSTANT, EXTERNAL, SQUARE, envelope, next_edge, piece_end, shape
 

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ..constants import VACUUM_PERMITTIVITY
-from .direct import Equilibrium, equilibrium, shape
 from .film import Array, Film
+from .ritz_solver import Equilibrium, equilibrium, shape
 
 SPLINE = 5
 FIELD_POINTS = (16, 10)

@@ -8,7 +8,7 @@ from importlib import metadata
 from pathlib import Path
 from xml.etree.ElementTree import indent, tostring
 
-from ..description import model_description
+from ..model_description import model_description
 from ..part import Part
 from . import table
 from .code import compiled

@@ -33,7 +33,7 @@ def made(materials: str) -> str:
     """
     import numpy as np
 
-    from ..membrane.direct import profile
+    from ..membrane.ritz_solver import profile
     from ..membrane.surrogate import Range, group, solved, splined, unit_film
     from ..membrane.tables import described
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from ..quantity import parameter
 from .data import BEGIN, END, GRAIN, PERIOD
-from .told import Output, told
-from .track import STOP
+from .generated_outputs import Output, told
+from .interpolation import STOP
 
 __all__ = ["Input", "Output", "Params", "State", "advance", "initial", "observe"]
 

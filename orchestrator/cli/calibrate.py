@@ -33,7 +33,7 @@ def calibrate(
 
     Example: resilin calibrate vehicle --no-refit --native
     """
-    from ..interrupt import Interrupt
+    from ..simulation.interrupt import Interrupt
     from ..studies.calibration import calibrate as study_calibrate
     from ..studies.calibration import load_fits, shipped
     from ..studies.calibration.table import data, facts, parameters, sensitivities

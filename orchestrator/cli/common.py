@@ -91,7 +91,7 @@ def overrides(
 @contextmanager
 def reported() -> Iterator[None]:
     """A user's mistake as lines on standard error and an exit code, never a traceback."""
-    from ..interrupt import Interrupted
+    from ..simulation.interrupt import Interrupted
 
     try:
         yield

@@ -11,7 +11,7 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
-    from ..plan import Plan
+    from ..scenario.plan import Plan
 
 
 def add_to(app: typer.Typer) -> None:
@@ -42,8 +42,8 @@ def export(
     Example: resilin export flapping-full-wings --to vehicle.ssp --native
     """
     from ..errors import InputError, OutputError
-    from ..exchange import VERSIONS, Package, write_ssp
-    from ..loading import load
+    from ..scenario.ssp.write import VERSIONS, Package, write_ssp
+    from ..simulation.load import load
 
     target = to or Path(f"{Path(scene).stem}.ssp")
     with common.reported(), tempfile.TemporaryDirectory(prefix="resilin_export_") as folder:
@@ -114,7 +114,7 @@ def _sets(
 ) -> dict[str, dict[str, float | str]]:
     """Parameter sets of `NAME:component.parameter=value` texts, in the FMUs' units."""
     from ..errors import InputError
-    from ..loading import load
+    from ..simulation.load import load
 
     wanted: dict[str, dict[str, str]] = {}
     for text in texts:
@@ -134,6 +134,6 @@ def schema() -> None:
 
     Example: resilin schema > scene.schema.json
     """
-    from ..scenario import json_schema
+    from ..scenario.schema import json_schema
 
     common.print_json(json_schema())

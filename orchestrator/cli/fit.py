@@ -68,9 +68,9 @@ def fit(
     Example: resilin fit bench.csv --part payload --parameters mass --native
     """
     from ..errors import InputError
-    from ..interrupt import Interrupt
-    from ..pages.image import draw
-    from ..pages.page import prepare, write
+    from ..report.image import draw
+    from ..report.page import prepare, write
+    from ..simulation.interrupt import Interrupt
     from ..studies.identification import Asked, Settings, case_of, identify, unknowns_of
     from ..studies.identification.table import facts, figure, page
     from ..units import UnitError, si_value

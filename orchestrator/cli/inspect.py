@@ -10,7 +10,7 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
-    from ..plan import Plan
+    from ..scenario.plan import Plan
 
 
 def add_to(app: typer.Typer) -> None:
@@ -40,24 +40,24 @@ def inspect(
 
     Example: resilin inspect flapping-full-wings --diagram vehicle.svg
     """
-    from ..loading import load
+    from ..simulation.load import load
 
     with common.reported():
         options = common.overrides(laws, kind)
         plan = load(scene, common.assignments(set_), fmus, **options)
         if diagram is not None:
-            from ..diagram import draw
+            from ..scenario.diagram.draw import draw
 
             draw(plan, diagram)
         told = _stability(plan) if stability else ""
     if json:
-        from ..inspection import facts
+        from ..scenario.inspection import facts
 
         common.print_json(facts(plan))
         return
     from rich.console import Console
 
-    from ..inspection import tables
+    from ..scenario.inspection import tables
 
     for table in tables(plan):
         Console().print(table)
@@ -69,7 +69,7 @@ def inspect(
 
 def _stability(plan: Plan) -> str:
     """What the linear step map says of the scene's master and step, the wire named."""
-    from ..linear.stepmap import MAPPED, SLACK, quiet, step_map
+    from ..simulation.linear.step_map import MAPPED, SLACK, quiet, step_map
 
     kind = plan.scenario.master.kind
     if kind not in MAPPED:
@@ -91,7 +91,8 @@ def scenes() -> None:
 
     Example: resilin scenes
     """
-    from ..scenario import load_scenario, scene_names
+    from ..scenario.files import scene_names
+    from ..scenario.parse import load_scenario
 
     for name in scene_names():
         typer.echo(f"{name:24} {load_scenario(name)[0].title}")

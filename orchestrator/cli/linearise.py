@@ -10,8 +10,8 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
-    from ..linear.model import Linear
-    from ..plan import Plan
+    from ..scenario.plan import Plan
+    from ..simulation.linear.state_space import Linear
 
 
 def add_to(app: typer.Typer) -> None:
@@ -51,9 +51,9 @@ def linearise(
     Example: resilin linearise oscillator-1 --set amplifier.waveform=external
     --hold amplifier.command.top="1 kV" --bode bode.svg
     """
-    from ..linear.model import linearise as linearised
-    from ..linear.stepmap import MAPPED, step_map
-    from ..loading import load
+    from ..simulation.linear.state_space import linearise as linearised
+    from ..simulation.linear.step_map import MAPPED, step_map
+    from ..simulation.load import load
 
     with common.reported():
         options: dict[str, Any] = common.overrides(laws, kind, step=step)
@@ -63,7 +63,7 @@ def linearise(
         mapped = step_map(plan)
         radii = {name: mapped.radius(name) for name in MAPPED}
         if bode is not None:
-            from ..studies.bode import beside, draw
+            from ..studies.frequency_response import beside, draw
 
             points = beside(swept, _amplitude(plan, found, drive)) if swept else None
             draw(found, bode, plan.frequency, points)

@@ -11,7 +11,7 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
-    from ..paper.reproduction import Reproduction
+    from ..studies.paper.reproduction import Reproduction
 
 TARGET = Path("results") / "paper" / "paper.html"
 
@@ -47,13 +47,13 @@ def paper(
 
     Example: resilin paper figure11 equation6
     """
-    from ..interrupt import Interrupt
-    from ..pages.page import prepare, write
-    from ..paper.lab import Lab
-    from ..paper.report import facts, page
-    from ..paper.report import pictures as drawn
-    from ..paper.reproduction import chosen, reproduced
-    from ..paper.store import Store
+    from ..report.page import prepare, write
+    from ..simulation.interrupt import Interrupt
+    from ..studies.paper.cached_runs import Lab
+    from ..studies.paper.page import facts, page
+    from ..studies.paper.page import pictures as drawn
+    from ..studies.paper.reproduction import chosen, reproduced
+    from ..studies.paper.store import Store
 
     shown = sys.stderr.isatty() and not (quiet or json)
 
@@ -95,7 +95,7 @@ def _report(found: Reproduction) -> None:
     from rich.table import Table
 
     from ..errors import printable
-    from ..paper.report import texts
+    from ..studies.paper.page import texts
 
     table = Table("quantity", "reading", "paper", "ours", "error", "mark")
     for item in found.items:

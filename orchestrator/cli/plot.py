@@ -29,8 +29,8 @@ def plot(
 
     Example: resilin plot results/flapping-full-wings.nc --variable "linkage.*_energy"
     """
-    from ..picture import draw
-    from ..results import opened
+    from ..results.netcdf import opened
+    from ..results.plot import draw
 
     target = output or result.with_suffix(".png")
     with common.reported(), opened(result) as data:

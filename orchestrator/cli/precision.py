@@ -11,7 +11,7 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
-    from ..studies.precision import Rung
+    from ..studies.precision.study import Rung
 
 
 def add_to(app: typer.Typer) -> None:
@@ -60,14 +60,14 @@ def precision(
     Example: resilin precision flapping-full-wings --stop "10 cycles"
     """
     from ..errors import InputError
-    from ..interrupt import Interrupt
-    from ..pages.page import prepare as prepare_page
-    from ..pages.page import write as write_page
-    from ..studies.ladder import advice, draw, facts, table, write
-    from ..studies.ladderpage import page
-    from ..studies.method import parse_method
-    from ..studies.precision import LADDER
-    from ..studies.precision import precision as study_precision
+    from ..report.page import prepare as prepare_page
+    from ..report.page import write as write_page
+    from ..simulation.interrupt import Interrupt
+    from ..studies.precision.method import parse_method
+    from ..studies.precision.page import page
+    from ..studies.precision.study import LADDER
+    from ..studies.precision.study import precision as study_precision
+    from ..studies.precision.table import advice, draw, facts, table, write
 
     target = output or Path("results") / f"{Path(scene).stem}.precision.csv"
 

@@ -37,11 +37,11 @@ def record(
     Example: resilin record flapping-full-wings --part amplifier --stop "10 cycles"
     """
     from ..errors import OutputError
-    from ..interrupt import Interrupt
-    from ..loading import load
-    from ..results import prepare
-    from ..simulation import run
-    from ..tape import taped, write_tape
+    from ..results.netcdf import prepare
+    from ..results.port_recording import taped, write_tape
+    from ..simulation.interrupt import Interrupt
+    from ..simulation.load import load
+    from ..simulation.run import run
 
     with Interrupt() as interrupt, common.reported():
         target = output or Path("results") / f"{Path(scene).stem}-{part}.csv"

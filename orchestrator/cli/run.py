@@ -13,7 +13,7 @@ from . import common
 if TYPE_CHECKING:
     import xarray
 
-    from ..results import Outcome
+    from ..results.outcome import Outcome
 
 
 def add_to(app: typer.Typer) -> None:
@@ -50,10 +50,10 @@ def run(
 
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz" --estimate
     """
-    from ..interrupt import Interrupt
-    from ..loading import load
-    from ..results import clear, partial_path, prepare, segments_for, write
-    from ..simulation import run as run_plan
+    from ..results.netcdf import clear, partial_path, prepare, segments_for, write
+    from ..simulation.interrupt import Interrupt
+    from ..simulation.load import load
+    from ..simulation.run import run as run_plan
 
     target = output or Path("results") / f"{Path(scene).stem}.nc"
     with Interrupt() as interrupt, common.reported():
@@ -85,7 +85,7 @@ def recover(
 
     Example: resilin recover results/oscillator-1.segments
     """
-    from ..results import recover as recovered
+    from ..results.netcdf import recover as recovered
 
     with common.reported():
         path, rows = recovered(folder)
@@ -98,7 +98,7 @@ def _show(
     """What a run has to tell, from the file that it has written."""
     import xarray
 
-    from ..metrics import metrics
+    from ..results.metrics import metrics
 
     drawn: Path | None = None
     with xarray.open_dataset(written) as data:
@@ -118,7 +118,7 @@ def _show(
 
 def _drawn(data: xarray.Dataset, written: Path) -> Path | None:
     from ..errors import OutputError
-    from ..picture import draw
+    from ..results.plot import draw
 
     path = written.with_suffix(".png")
     try:
@@ -160,7 +160,7 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
     from rich.text import Text
 
     from ..errors import printable
-    from ..report import couplings, errors, warnings
+    from ..simulation.summary import couplings, errors, warnings
 
     console = Console()
     table = Table(title=Text(printable(outcome.plan.scenario.title)), title_justify="left")

@@ -56,11 +56,11 @@ def stability(
     Example: resilin stability --case water --method gauss-seidel
     """
     from ..errors import InputError
-    from ..interrupt import Interrupt
-    from ..pages.page import prepare as prepare_page
-    from ..pages.page import write as write_page
-    from ..scenario import scene_names, scene_path
-    from ..studies.method import parse_method
+    from ..report.page import prepare as prepare_page
+    from ..report.page import write as write_page
+    from ..scenario.files import scene_names, scene_path
+    from ..simulation.interrupt import Interrupt
+    from ..studies.precision.method import parse_method
     from ..studies.stability import Case, load_cases
     from ..studies.stability import stability as study_stability
     from ..studies.stability.cases import shipped

@@ -53,9 +53,9 @@ def sweep(
 
     Example: resilin sweep flapping-full-wings --over amplifier.frequency=10:26:1Hz
     """
-    from ..interrupt import Interrupt
-    from ..studies.sweep import parse_axis
-    from ..studies.sweep import sweep as run_sweep
+    from ..simulation.interrupt import Interrupt
+    from ..studies.sweep.study import parse_axis
+    from ..studies.sweep.study import sweep as run_sweep
 
     target = output or Path("results") / f"{Path(scene).stem}.sweep.nc"
     with Interrupt() as interrupt, common.reported():
@@ -74,13 +74,13 @@ def sweep(
             interrupt=interrupt,
         )
     if json:
-        from ..studies.summary import facts
+        from ..studies.sweep.table import facts
 
         common.print_json({"result": str(target), "points": facts(data)})
     elif not quiet:
         from rich.console import Console
 
-        from ..studies.summary import table
+        from ..studies.sweep.table import table
 
         Console().print(table(data))
         typer.echo(f"result:  {target}")

@@ -11,16 +11,15 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import RecordingError, printable
-from ..interface import Interface, Variable
-from ..scenario import Component
+from ..fmi.description import EVENT, Interface, Variable
 from ..units import UnitError, factor, si_value
-from . import law
+from . import port_law
 from .columns import Choice
-from .reading import LARGEST, read_table
+from .interpolation import Track, Uneven, fitted
+from .read import LARGEST, read_table
+from .settings import RecordingSettings
 from .table import Table, Values
-from .track import Track, Uneven, fitted
 
-EVENT = "next_event_time"
 NEVER = 1e30
 TOOL = "recording"
 
@@ -119,7 +118,7 @@ class Recording:
         return self.events[0] + shift + self.track.period if self.track.period else NEVER
 
 
-def open_recording(component: Component, scene: Path) -> Recording:
+def open_recording(component: RecordingSettings, scene: Path) -> Recording:
     """Recording of a scene's component, its file from the scene's folder.
 
     Raises :class:`RecordingError` with file, place and remedy.
@@ -130,12 +129,14 @@ def open_recording(component: Component, scene: Path) -> Recording:
         stamp = path.stat().st_mtime_ns, path.stat().st_size
     except (OSError, ValueError):
         stamp = 0, 0
-    return _opened(path, component.model_dump_json(), stamp)
+    return _opened(
+        path, component.model_dump_json(include=set(RecordingSettings.model_fields)), stamp
+    )
 
 
 @functools.lru_cache(maxsize=8)
 def _opened(path: Path, settings: str, stamp: tuple[int, int]) -> Recording:
-    component = Component.model_validate_json(settings)
+    component = RecordingSettings.model_validate_json(settings)
     offset = _quantity("offset", component.offset, "s")
     most = LARGEST if component.memory is None else _quantity("memory", component.memory, "byte")
     period = 0.0 if isinstance(component.repeat, bool) else _period(component.repeat)
@@ -216,13 +217,13 @@ def _in_si(table: Table) -> Table:
     columns = table.columns[:1]
     for j, column in enumerate(table.columns[1:]):
         member = column.name.rpartition(".")[2]
-        wanted = law.SI.get(member, "") if column.unit or member not in law.LOOSE else ""
+        wanted = port_law.SI.get(member, "") if column.unit or member not in port_law.LOOSE else ""
         scale = 1.0
         if wanted and column.unit:
             try:
                 scale = factor(column.unit, wanted)
             except UnitError as error:
-                if member not in law.LOOSE:
+                if member not in port_law.LOOSE:
                     heading = printable(column.heading)
                     raise RecordingError(f"{table.path}: column {heading!r}: {error}") from None
                 wanted = column.unit
@@ -234,7 +235,7 @@ def _in_si(table: Table) -> Table:
 def _without_clocks(table: Table) -> tuple[Table, Values]:
     """The table without times that laws hold at, which are now; and announced events apart."""
     names = [column.name.rpartition(".")[2] for column in table.columns[1:]]
-    keep = [j for j, name in enumerate(names) if name not in {*law.CLOCKS, EVENT}]
+    keep = [j for j, name in enumerate(names) if name not in {*port_law.CLOCKS, EVENT}]
     if not keep:
         raise RecordingError(f"{table.path}: columns: times alone are no recording")
     announced: Values = np.zeros(0)
@@ -245,7 +246,7 @@ def _without_clocks(table: Table) -> tuple[Table, Values]:
     return replace(table, columns=columns, values=table.values[:, keep]), announced
 
 
-def _events(track: Track, component: Component, announced: Values) -> tuple[float, ...]:
+def _events(track: Track, component: RecordingSettings, announced: Values) -> tuple[float, ...]:
     """Times of discontinuities in the record's clock: those it tells, its ends, its seam."""
     begin, end = track.begin, track.end
     inside = announced[(announced > begin) & (announced <= end)].tolist()
@@ -266,7 +267,7 @@ def _variables(table: Table, eventful: bool) -> tuple[list[Variable], list[tuple
         port, _, member = name.rpartition(".")
         if "]" in member:
             port = name.partition("[")[0]
-        order = law.ORDERS.get(member, 0)
+        order = port_law.ORDERS.get(member, 0)
         made.append(_output(len(made), name, unit, meaning, port, order))
         sources.append(source)
 
@@ -285,7 +286,7 @@ def _variables(table: Table, eventful: bool) -> tuple[list[Variable], list[tuple
         prefix = f"{port}." if port else ""
         if not port:
             continue
-        for base, derived in law.members(names):
+        for base, derived in port_law.members(names):
             place = named[prefix + base]
             unit = table.columns[place + 1].unit
             shown = derived.per if derived.how == "time" else f"{unit}{derived.per}" if unit else ""

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.exchange import Package, write_ssp
-from orchestrator.loading import load
-from orchestrator.reference import as_recorded, monolithic
-from orchestrator.simulation import run
+from orchestrator.scenario.ssp.write import Package, write_ssp
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
+from orchestrator.studies.reference.monolith import as_recorded, monolithic
 
 RECIPES = Path(__file__).resolve().parents[2] / "docs" / "recipes"
 OWN = {"cofmpy": Path(sys.prefix) / "cofmpy" / "bin" / "python"}

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.loading import load
-from orchestrator.reference import as_recorded, monolithic
-from orchestrator.simulation import replay, run
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import replay, run
+from orchestrator.studies.reference.monolith import as_recorded, monolithic
 
 SCENES = {
     "oscillator-1": "payload.displacement",

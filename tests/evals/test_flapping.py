@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.loading import load
-from orchestrator.metrics import metrics
-from orchestrator.reference import as_recorded, monolithic
-from orchestrator.results import Outcome, dataset
-from orchestrator.simulation import run
+from orchestrator.results.metrics import metrics
+from orchestrator.results.netcdf import dataset
+from orchestrator.results.outcome import Outcome
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
+from orchestrator.studies.reference.monolith import as_recorded, monolithic
 from tests.conftest import Runner
 
 FLAPPING = ("flapping-no-wing", "flapping-frames", "flapping-full-wings")

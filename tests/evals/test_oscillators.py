@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.loading import load
-from orchestrator.metrics import metrics
-from orchestrator.results import dataset
-from orchestrator.simulation import run
+from orchestrator.results.metrics import metrics
+from orchestrator.results.netcdf import dataset
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
 from tests.conftest import Runner
 
 PREDICTED = (51.8, 35.7, 25.2, 28.8, 50.5)

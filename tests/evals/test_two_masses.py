@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import Divergence
-from orchestrator.loading import load
-from orchestrator.masters import MASTERS
-from orchestrator.results import Outcome
-from orchestrator.simulation import run
+from orchestrator.results.outcome import Outcome
+from orchestrator.simulation.load import load
+from orchestrator.simulation.masters import MASTERS
+from orchestrator.simulation.run import run
 from tests.evals.two_masses import exact, scenes
 
 KINDS = sorted(MASTERS)

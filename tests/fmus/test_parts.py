@@ -22,12 +22,12 @@ import pytest
 from fmpy.validation import validate_fmu
 
 import build_fmus
-from fmus import tables
+from fmus import readme_tables
 from fmus.part import Part
 from fmus.units import exponents
-from orchestrator.archive import extract
-from orchestrator.interface import Interface, read_interface
-from orchestrator.unit import Local, in_process
+from orchestrator.fmi.archive import extract
+from orchestrator.fmi.description import Interface, read_interface
+from orchestrator.fmi.instance import Local, in_process
 
 PARTS = build_fmus.part_names()
 ACCURACY = {"membrane": 1e-5, "profile": 2e-5}
@@ -174,9 +174,9 @@ def test_the_same_sources_give_the_same_file(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", PARTS)
 def test_the_readme_holds_the_tables_of_the_code(name: str) -> None:
-    text = (Path(tables.HERE) / name / "README.md").read_text(encoding="utf-8")
+    text = (Path(readme_tables.HERE) / name / "README.md").read_text(encoding="utf-8")
     assert "<!-- parameters -->" in text
-    assert tables.filled(text, part_of(name)) == text
+    assert readme_tables.filled(text, part_of(name)) == text
     for section in ("## Equations", "## Validity", "## Reference answer"):
         assert section in text
 
@@ -192,7 +192,7 @@ def test_provenance_opens_with_its_kind(name: str) -> None:
 @pytest.mark.parametrize("name", PARTS)
 def test_the_reference_answer(library: Path, tmp_path: Path, name: str) -> None:
     """Drive the FMU with the inputs of its CSV; the outputs come from closed forms."""
-    text = (Path(tables.HERE) / name / "reference.csv").read_text(encoding="utf-8")
+    text = (Path(readme_tables.HERE) / name / "reference.csv").read_text(encoding="utf-8")
     head, body = text.split("\n", 1)
     pairs = [p.split("=") for p in head.removeprefix("# start: ").split(", ") if "=" in p]
     start: dict[str, float | str] = {key: float(value) for key, value in pairs}

@@ -76,7 +76,7 @@ def _parameters(case: Case) -> tuple[Any, Callable[[Any], list[Callable[[Any], f
     from fmus.linkage.kinematics import flap
     from fmus.monolith import physics
     from fmus.quantity import quantities
-    from orchestrator.reference import monolithic
+    from orchestrator.studies.reference.monolith import monolithic
 
     from ..wiring import plan_of
 

@@ -9,7 +9,8 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from ...errors import SceneError, nearest
-from ...scenario import Quantity, Text, read_toml
+from ...recording.settings import Quantity, Text
+from ...scenario.files import read_toml
 
 SHIPPED = "cases/calibration.toml"
 

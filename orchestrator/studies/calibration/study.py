@@ -10,10 +10,10 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from ...interrupt import Interrupt
-from ...plan import LIBRARY
+from ...scenario.plan import LIBRARY
+from ...simulation.interrupt import Interrupt
 from .fits import Fit
-from .model import Model
+from .predictions import Model
 
 NUDGE = 0.02
 """Relative change of a parameter for the sensitivities."""

@@ -1,8 +1,8 @@
 """Parameters of parts estimated from a recording of what went in and what came out."""
 
 from .case import Asked, Case, case_of
+from .parameter import Unknown, unknowns_of
 from .study import Identified, Settings, identify
-from .unknown import Unknown, unknowns_of
 
 __all__ = [
     "Asked",

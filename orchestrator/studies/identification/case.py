@@ -10,11 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError, SceneError, nearest, printable
-from ...interface import Interface, Variable
-from ...loading import planned
-from ...plan import LIBRARY, Plan, interface_of
-from ...recording import EVERY, Recording, component_of, open_recording
-from ...scenario import Component, Master, Record, Scenario, Time, Wire, load_scenario
+from ...fmi.description import Interface, Variable
+from ...recording.columns import EVERY
+from ...recording.recording import Recording, open_recording
+from ...scenario.component_options import component_of
+from ...scenario.parse import load_scenario
+from ...scenario.plan import LIBRARY, Plan, interface_of
+from ...scenario.schema import Component, Master, Record, Scenario, Time, Wire
+from ...simulation.load import planned
 
 RECORDED = "recording"
 FEWEST = 3

@@ -23,11 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, SimulationError
-from ...estimate import BEYOND, halved
-from ...interrupt import Interrupt, Interrupted
-from ...simulation import replay
+from ...results.error_estimate import BEYOND, halved
+from ...simulation.interrupt import Interrupt, Interrupted
+from ...simulation.run import replay
 from .case import Case
-from .unknown import Unknown
+from .parameter import Unknown
 
 Values = NDArray[np.float64]
 NUDGE = 1e-4

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import printable
-from ...pages.page import Notes, Page, Section
-from ...pages.plot import Axis, Curve, Figure, Plot
-from ...pages.table import Cell, Column, quantity
-from ...pages.table import Table as PageTable
+from ...report.page import Notes, Page, Section
+from ...report.plot import Axis, Curve, Figure, Plot
+from ...report.table import Cell, Column, quantity
+from ...report.table import Table as PageTable
 from .study import Identified
 
 if TYPE_CHECKING:

@@ -9,10 +9,12 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from ...errors import SceneError, nearest
-from ...loading import planned
-from ...plan import LIBRARY, Plan
-from ...scenario import Quantity, Text, read_toml, scenario_of
-from ..yardstick import Reference
+from ...recording.settings import Quantity, Text
+from ...scenario.files import read_toml
+from ...scenario.parse import scenario_of
+from ...scenario.plan import LIBRARY, Plan
+from ...simulation.load import planned
+from ..reference.solution import Reference
 
 LADDER = (4, 8, 16, 32, 64, 128, 256, 512, 1024)
 """Communication steps in a cycle, unless a case has its own."""

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import printable
-from ..files import save_figure, write_records
+from ..output_files import save_figure, write_records
+from .classification import CLASSES, Trial
 from .study import Study
-from .verdict import CLASSES, Trial
 
 if TYPE_CHECKING:
     from rich.table import Table

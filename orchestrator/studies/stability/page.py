@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...pages.page import Notes, Page, Section
-from ...pages.table import Cell, Column, Table, Tone
+from ...report.page import Notes, Page, Section
+from ...report.table import Cell, Column, Table, Tone
 from .chart import LETTERS
+from .classification import CLASSES, Trial
 from .study import Study
-from .verdict import CLASSES, Trial
 
 TONES: dict[str, Tone] = {
     "accurate": "green",

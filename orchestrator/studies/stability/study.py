@@ -11,13 +11,13 @@ from time import perf_counter
 from typing import Any, Literal
 
 from ...errors import SceneError
-from ...interrupt import Interrupt
-from ...plan import LIBRARY
-from ..crew import Crew, Lost
-from ..method import Method, methods_for
+from ...scenario.plan import LIBRARY
+from ...simulation.interrupt import Interrupt
+from ..precision.method import Method, methods_for
+from ..workers.pool import Crew, Lost
 from .cases import Case, plan_of
+from .classification import CLASSES, Trial
 from .trial import Job, work
-from .verdict import CLASSES, Trial
 
 PATIENCE = 30.0
 """Seconds that one run may take."""

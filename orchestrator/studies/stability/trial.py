@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from ...errors import ResilinError, printable
-from ...interrupt import Interrupt, Interrupted
-from ...plan import Plan
-from ...results import Outcome
-from ...simulation import run
-from ..method import Method, own, with_step
-from ..yardstick import errors, leading, yardstick
+from ...results.outcome import Outcome
+from ...scenario.plan import Plan
+from ...simulation.interrupt import Interrupt, Interrupted
+from ...simulation.run import run
+from ..precision.method import Method, own, with_step
+from ..reference.solution import errors, leading, yardstick
 from .cases import Case, plan_of
-from .verdict import Trial, judged
+from .classification import Trial, judged
 
 MOST_TOLD = 300
 

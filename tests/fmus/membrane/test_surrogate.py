@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from fmus.membrane import tables
-from fmus.membrane.direct import equilibrium
 from fmus.membrane.film import Film
 from fmus.membrane.potential import extremes, potential
+from fmus.membrane.ritz_solver import equilibrium
 from fmus.membrane.splines import bends, slopes, values
 from fmus.membrane.surrogate import cardinal, group, unit_film
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from fmus.quantity import NO_REFERENCE
 from fmus.slave import PhysicsSlave
-from orchestrator.archive import extract
-from orchestrator.interface import read_interface
-from orchestrator.unit.library import shared_library
+from orchestrator.fmi.archive import extract
+from orchestrator.fmi.description import read_interface
+from orchestrator.fmi.instance.library import shared_library
 
 Row = NDArray[np.float64]
 OK, DISCARD, ERROR = 0, 2, 3

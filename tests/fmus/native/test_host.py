@@ -12,9 +12,9 @@ import pytest
 
 import build_fmus
 from fmus.native.code import LIBRARY
-from orchestrator.archive import extract
-from orchestrator.interface import read_interface
-from orchestrator.unit.library import shared_library
+from orchestrator.fmi.archive import extract
+from orchestrator.fmi.description import read_interface
+from orchestrator.fmi.instance.library import shared_library
 from tests.fmus.native.pair import slave_class
 from tests.foreign.build import _compiler
 

@@ -16,9 +16,9 @@ import build_fmus
 import fmus
 from orchestrator.cli import app
 from orchestrator.errors import InitialisationError, SimulationError
-from orchestrator.interface import read_interface
-from orchestrator.loading import load
-from orchestrator.simulation import run
+from orchestrator.fmi.description import read_interface
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
 
 runner = CliRunner()
 HOME = Path(fmus.__file__).parent / "replay"

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from orchestrator.cli import app
 from orchestrator.errors import InputError, SceneError, SimulationError
 from orchestrator.studies.calibration import calibrate, load_fits, shipped
-from orchestrator.studies.calibration.model import Model
+from orchestrator.studies.calibration.predictions import Model
 from orchestrator.studies.calibration.table import data, facts, parameters
 
 runner = CliRunner()

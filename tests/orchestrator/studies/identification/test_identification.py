@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.errors import InputError, SimulationError
-from orchestrator.loading import load
-from orchestrator.results import write
-from orchestrator.simulation import run
+from orchestrator.results.netcdf import write
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
 from orchestrator.studies.identification import (
     Asked,
     Case,

@@ -1,0 +1,1 @@
+"""What an FMU is: its archive, its description, its instances."""

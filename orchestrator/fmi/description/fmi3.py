@@ -1,0 +1,179 @@
+"""FMI 3.0: all scalar types, arrays as their elements; clocks are for other kinds of FMU."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ...errors import FmuError, printable
+from .checks import BOUNDED, faults, name_faults, preferred_step, true
+from .variable import Interface, Variable
+
+MOST_ELEMENTS = 500_000
+"""Elements of all variables together; and inputs that all outputs together name."""
+
+
+def check(root: Any, problems: list[str], warnings: list[str]) -> None:
+    """Names, references, start values, bounds, units and dimensions of all variables."""
+    units = {unit.get("name") for unit in root.findall("UnitDefinitions/Unit")}
+    types = {entry.get("name") for entry in root.findall("TypeDefinitions/*")}
+    names: set[str] = set()
+    variables = list(root.find("ModelVariables"))
+    references: dict[str, str] = {}
+    for entry in variables:
+        name = entry.get("name") or ""
+        where = f"line {entry.sourceline}: variable '{printable(name)}'"
+        problems.extend(f"{where} {fault}" for fault in name_faults(name, names))
+        other = references.setdefault(entry.get("valueReference") or "", name)
+        if other != name:
+            problems.append(f"{where} has the value reference of '{printable(other)}'")
+        problems.extend(f"{where} {fault}" for fault in faults(entry, units))
+        declared = entry.get("declaredType")
+        if declared is not None and declared not in types:
+            problems.append(f"{where} has type '{printable(declared)}', which is not defined")
+    by_reference = {entry.get("valueReference"): entry for entry in variables}
+    for entry in variables:
+        for dimension in entry.findall("Dimension"):
+            if not _size(dimension, by_reference).isdecimal():
+                where = f"line {dimension.sourceline}"
+                problems.append(f"{where}: the dimension has no size, nor a variable that gives it")
+    for unknown in root.find("ModelStructure"):
+        listed = [unknown.get("valueReference"), *(unknown.get("dependencies") or "").split()]
+        for reference in listed:
+            if reference not in references:
+                where = f"line {unknown.sourceline}"
+                shown = printable(str(reference), most=20)
+                problems.append(f"{where}: ModelStructure names no variable '{shown}'")
+
+
+def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
+    """The facts that matter; every array as its elements."""
+    types = {entry.get("name"): entry for entry in root.findall("TypeDefinitions/*")}
+    entries = [entry for entry in root.find("ModelVariables") if entry.tag != "Clock"]
+    by_reference = {entry.get("valueReference"): entry for entry in entries}
+    count = sum(math.prod(_shape(entry, by_reference)) for entry in entries)
+    if count > MOST_ELEMENTS:
+        raise FmuError(f"{path}: {count} variables and elements; at most {MOST_ELEMENTS} are read")
+    depends = _dependencies(root, by_reference)
+    variables: dict[str, Variable] = {}
+    for entry in entries:
+        for variable in _elements(entry, types, by_reference, depends):
+            variables[variable.name] = variable
+    kind = root.find("CoSimulation")
+    tool = root.get("generationTool") or ""
+    return Interface(
+        path=path,
+        version=3,
+        model=root.get("modelName"),
+        identifier=kind.get("modelIdentifier"),
+        guid=root.get("instantiationToken"),
+        tool=tool,
+        variables=variables,
+        rollback=true(kind.get("canGetAndSetFMUState")),
+        variable_step=true(kind.get("canHandleVariableCommunicationStepSize")),
+        once=true(kind.get("canBeInstantiatedOnlyOncePerProcess")),
+        needs_tool=true(kind.get("needsExecutionTool")),
+        ours=tool.startswith("Resilin"),
+        warnings=warnings,
+        step=preferred_step(root),
+    )
+
+
+def _size(dimension: Any, by_reference: dict[str, Any]) -> str:
+    """Size of a dimension as it is written; a structural parameter counts at its start value."""
+    if (text := dimension.get("start")) is not None:
+        return str(text)
+    behind = by_reference.get(dimension.get("valueReference"))
+    return "" if behind is None else behind.get("start") or ""
+
+
+def _shape(entry: Any, by_reference: dict[str, Any]) -> list[int]:
+    """Dimensions of a variable."""
+    return [int(_size(dimension, by_reference)) for dimension in entry.findall("Dimension")]
+
+
+def _dependencies(root: Any, by_reference: dict[str, Any]) -> dict[str, tuple[str, ...] | None]:
+    """Inputs that each output names as those it follows; None where it names none, or too many."""
+    inputs = {
+        reference: list(_names(entry, by_reference))
+        for reference, entry in by_reference.items()
+        if entry.get("causality") == "input"
+    }
+    depends: dict[str, tuple[str, ...] | None] = {}
+    left = MOST_ELEMENTS
+    for output in root.findall("ModelStructure/Output"):
+        listed = output.get("dependencies")
+        found = [inputs[r] for r in (listed or "").split() if r in inputs]
+        left -= sum(len(names) for names in found)
+        known = listed is not None and left >= 0
+        reference = output.get("valueReference")
+        depends[reference] = tuple(itertools.chain(*found)) if known else None
+    return depends
+
+
+def _names(entry: Any, by_reference: dict[str, Any]) -> Iterator[str]:
+    """Names of the elements of a variable, the last index fastest; its own name for a scalar."""
+    name = entry.get("name")
+    shape = _shape(entry, by_reference)
+    if not shape:
+        yield name
+        return
+    for index in itertools.product(*(range(1, size + 1) for size in shape)):
+        yield f"{name}[{','.join(map(str, index))}]"
+
+
+def _elements(
+    entry: Any,
+    types: dict[str, Any],
+    by_reference: dict[str, Any],
+    depends: dict[str, tuple[str, ...] | None],
+) -> Iterator[Variable]:
+    """One variable for each element; numbers as floats, the declared type's facts filled in."""
+    kind = str(entry.tag)
+    behind = types.get(entry.get("declaredType"))
+
+    def said(key: str) -> str | None:
+        own: str | None = entry.get(key)
+        return own if own is not None or behind is None else behind.get(key)
+
+    names = list(_names(entry, by_reference))
+    starts = _starts(entry, kind, len(names))
+    least, most = (said(key) if kind in BOUNDED else None for key in ("min", "max"))
+    items = behind.findall("Item") if kind == "Enumeration" and behind is not None else []
+    reference = entry.get("valueReference")
+    usual = "continuous" if kind.startswith("Float") else "discrete"
+    causality = entry.get("causality") or "local"
+    for element, name in enumerate(names):
+        yield Variable(
+            name=name,
+            reference=int(reference),
+            kind=kind,
+            causality=causality,
+            unit=said("unit") or "",
+            description=entry.get("description") or "",
+            start=starts[element],
+            least=None if least is None else float(least),
+            most=None if most is None else float(most),
+            port=entry.get("name") if len(names) > 1 else name.rpartition(".")[0],
+            choices=tuple(item.get("name") for item in items),
+            codes=tuple(int(item.get("value")) for item in items),
+            depends=depends.get(reference),
+            variability=entry.get("variability") or usual,
+            element=element,
+            extent=len(names),
+        )
+
+
+def _starts(entry: Any, kind: str, count: int) -> list[float | str | None]:
+    """Start value of each element; one value stands for all."""
+    if kind in {"String", "Binary"}:
+        given: list[Any] = [start.get("value") for start in entry.findall("Start")]
+    else:
+        words = (entry.get("start") or "").split()
+        given = [float(true(w)) if kind == "Boolean" else float(w) for w in words]
+    if len(given) == 1:
+        return given * count
+    return given if len(given) == count else [None] * count

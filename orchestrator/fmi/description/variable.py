@@ -1,0 +1,112 @@
+"""The few facts of a model description that wiring and running need."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+from pathlib import Path
+
+REALS = ("Real", "Float64", "Float32")
+SIGNED = {"Int8": 8, "Int16": 16, "Int32": 32, "Int64": 64, "Integer": 32}
+UNSIGNED = {"UInt8": 8, "UInt16": 16, "UInt32": 32, "UInt64": 64}
+WHOLE = (*SIGNED, *UNSIGNED)
+EVENT = "next_event_time"
+"""An output that announces the time [s] of the next discontinuity."""
+EXACT = 2**53 - 1
+"""Whole numbers up to here travel without loss: no other one rounds to the same double."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One scalar variable of an FMU, or one element of an array.
+
+    Arrays (FMI 3) appear as their elements, named `x[1]`, `x[2,3]`; `element` counts them from 0
+    in the order in which they travel, `extent` is how many there are under the reference.
+    `codes` are the numbers of an enumeration's `choices`.
+    """
+
+    name: str
+    reference: int
+    kind: str
+    causality: str
+    unit: str
+    description: str
+    start: float | str | None
+    least: float | None
+    most: float | None
+    port: str = ""
+    order: int = 0
+    choices: tuple[str, ...] = ()
+    codes: tuple[int, ...] = ()
+    depends: tuple[str, ...] | None = None
+    variability: str = "continuous"
+    element: int = 0
+    extent: int = 1
+
+    @property
+    def member(self) -> str:
+        """Name inside its port; the index of an array's element."""
+        return self.name[len(self.port) :].removeprefix(".") if self.port else self.name
+
+    @property
+    def real(self) -> bool:
+        """Whether it is a floating-point number."""
+        return self.kind in REALS
+
+    @property
+    def numeric(self) -> bool:
+        """Whether it travels between units: a number, a choice, or true and false."""
+        return self.real or self.kind in WHOLE or self.kind in {"Boolean", "Enumeration"}
+
+    @property
+    def tunable(self) -> bool:
+        """Whether it may be set while the unit runs."""
+        return self.causality == "input" or self.variability == "tunable"
+
+    def span(self) -> tuple[float, float] | None:
+        """Least and greatest whole number that its type and a double hold; None if not whole."""
+        if self.kind in SIGNED:
+            half = 2 ** (SIGNED[self.kind] - 1)
+            return float(max(-half, -EXACT)), float(min(half - 1, EXACT))
+        if self.kind in UNSIGNED:
+            return 0.0, float(min(2 ** UNSIGNED[self.kind] - 1, EXACT))
+        return None
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Variables and capabilities of an FMU; `step` [s] is the communication step it prefers."""
+
+    path: Path
+    version: int
+    model: str
+    identifier: str
+    guid: str
+    tool: str
+    variables: dict[str, Variable]
+    rollback: bool
+    variable_step: bool
+    once: bool
+    needs_tool: bool
+    ours: bool
+    warnings: tuple[str, ...] = field(default=())
+    step: float | None = None
+
+    def of(self, *causalities: str) -> list[Variable]:
+        """Variables with one of these causalities, in the FMU's order."""
+        return [v for v in self.variables.values() if v.causality in causalities]
+
+    @functools.cached_property
+    def _members(self) -> dict[tuple[str, str], list[Variable]]:
+        found: dict[tuple[str, str], list[Variable]] = {}
+        for v in self.variables.values():
+            found.setdefault((v.port, v.causality), []).append(v)
+        return found
+
+    def port(self, name: str, causality: str) -> list[Variable]:
+        """Members of a port with one causality: annotated, or sharing the prefix."""
+        return self._members.get((name, causality), [])
+
+    def ports(self) -> list[str]:
+        """Names of all ports."""
+        return sorted({v.port for v in self.of("input", "output") if v.port})

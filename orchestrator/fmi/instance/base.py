@@ -1,0 +1,137 @@
+"""What a unit is to the master, wherever it runs.
+
+Legal order of calls, as in FMI: `connect`, `prepare` (parameters), `enter_initialisation`,
+then any number of `send` and `receive`, `exit_initialisation`, then `send`, `step`,
+`receive` in rounds, at last `close`. After a `UnitFailure` only `restore`, `forget` and
+`close` may follow.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import printable
+from ..description import Interface, Variable
+
+STATUS = ("OK", "warning", "discard", "error", "fatal", "pending")
+FAULTY = (3, 4)
+MOST_MESSAGES = 200
+Values = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What an isolated unit may take: seconds for one call, bytes of memory."""
+
+    patience: float = 30.0
+    memory: int = 4 << 30
+
+
+class Unit(ABC):
+    """An instance of an FMU.
+
+    Inputs and outputs travel through the buffers given to :meth:`connect`, in the order of
+    the variables given there. Time is the caller's: a unit only passes it on.
+    """
+
+    def __init__(self, name: str, interface: Interface) -> None:
+        self.name = name
+        self.interface = interface
+        self.heard = 0
+        self._first: list[str] = []
+        self._last = ""
+        self.steps = 0
+        self.rollbacks = 0
+        self.faults = 0
+
+    @abstractmethod
+    def prepare(
+        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+    ) -> None:
+        """Set parameters and start values by name, and announce the experiment."""
+
+    @abstractmethod
+    def connect(
+        self,
+        inputs: list[Variable],
+        input_values: Values,
+        outputs: list[list[Variable]],
+        output_values: Values,
+    ) -> None:
+        """Bind buffers: `send` passes all inputs, `receive(k)` the outputs of group 0 to k."""
+
+    @abstractmethod
+    def read_whole_at_once(self) -> None:
+        """Let every `receive` read all outputs: for units that no later pass reads again."""
+
+    @abstractmethod
+    def enter_initialisation(self) -> None:
+        """Begin initialisation mode."""
+
+    @abstractmethod
+    def exit_initialisation(self) -> None:
+        """End initialisation mode; the unit can step."""
+
+    @abstractmethod
+    def send(self) -> None:
+        """Pass the input buffer to the unit."""
+
+    @abstractmethod
+    def step(self, time: float, size: float) -> None:
+        """Advance from `time` by `size` [s]; `UnitFailure` unless the unit says OK."""
+
+    @abstractmethod
+    def receive(self, group: int = -1) -> None:
+        """Fill the output buffer, up to a group; all by default."""
+
+    @abstractmethod
+    def set(self, start: dict[str, float | str]) -> None:
+        """Set tunable parameters by name, between steps."""
+
+    @abstractmethod
+    def save(self) -> Any:
+        """FMU state as it is now, to be given to :meth:`restore` and :meth:`forget`."""
+
+    @abstractmethod
+    def restore(self, state: Any) -> None:
+        """Go back to a saved state, which stays saved."""
+
+    @abstractmethod
+    def forget(self, state: Any) -> None:
+        """Free a saved state."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """End the instance; safe to call twice, and after a failure."""
+
+    def log(self, status: int, message: str) -> None:
+        """Keep a message of the unit; of many the first ones and the last.
+
+        A message with an error counts as a fault even where the call itself says OK: a
+        getter of an exported Python part has no other way to say that there is no answer.
+        """
+        self.faults += status in FAULTY
+        if not message:
+            return
+        self.heard += 1
+        if len(self._first) < MOST_MESSAGES - 1:
+            self._first.append(self._shown(message))
+        else:
+            self._last = message
+
+    @property
+    def messages(self) -> list[str]:
+        """What is kept of the unit's messages, safe to print."""
+        return [*self._first, self._shown(self._last)] if self._last else list(self._first)
+
+    def _shown(self, message: str) -> str:
+        return printable(message, most=500).removeprefix(f"{self.name}: ")
+
+    def said(self) -> str:
+        """The last message of the unit, to go behind an error."""
+        return f": {self.messages[-1]}" if self.heard else ""

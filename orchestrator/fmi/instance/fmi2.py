@@ -1,0 +1,135 @@
+"""FMI 2.0 for co-simulation."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..description import Variable
+from .in_process import Local, listen, route
+
+CO_SIMULATION = 1
+POINTER = ctypes.c_void_p
+DOUBLE = ctypes.c_double
+COUNT = ctypes.c_size_t
+FLAG = ctypes.c_int
+
+
+class Fmi2Unit(Local):
+    """An instance of an FMI 2.0 FMU."""
+
+    PREFIX = "fmi2"
+    dtypes: ClassVar = {
+        "Real": np.float64,
+        "Integer": np.int32,
+        "Boolean": np.int32,
+        "Enumeration": np.int32,
+    }
+    SUFFIX: ClassVar = {"Enumeration": "Integer"}
+
+    def _instantiate(self, folder: Path) -> Any:
+        from fmpy import fmi2
+
+        self._callbacks = fmi2.fmi2CallbackFunctions()
+        self._callbacks.logger = _logger()
+        self._callbacks.componentEnvironment = listen(self)
+        self._callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+        self._callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+        _format_varargs(self._callbacks)
+        text = ctypes.c_char_p
+        instantiate = self._function(
+            "fmi2Instantiate", text, FLAG, text, text, POINTER, FLAG, FLAG, result=POINTER
+        )
+        self._do_step = self._function("fmi2DoStep", POINTER, DOUBLE, DOUBLE, FLAG)
+        return instantiate(
+            self.name.encode(),
+            CO_SIMULATION,
+            self.interface.guid.encode(),
+            _location(folder / "resources", self.interface.tool).encode(),
+            ctypes.addressof(self._callbacks),
+            0,
+            1,
+        )
+
+    def prepare(
+        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+    ) -> None:
+        setup = self._function("fmi2SetupExperiment", POINTER, FLAG, DOUBLE, DOUBLE, FLAG, DOUBLE)
+        self._call(setup, int(tolerance is not None), tolerance or 0.0, time, 1, stop)
+        self._set_starts(start)
+
+    def _bind(self, verb: str, kind: str, references: list[int], values: Any) -> Callable[[], int]:
+        count = len(references)
+        raw = self._function(
+            f"fmi2{verb}{self.SUFFIX.get(kind, kind)}", POINTER, POINTER, COUNT, POINTER
+        )
+        wanted = (ctypes.c_uint * count)(*references)
+        instance = self._instance
+        there = ctypes.addressof(wanted)
+        pointer = values.ctypes.data
+        keep = (wanted, values)
+
+        def call() -> int:
+            status: int = raw(instance, there, count, pointer)
+            return status if keep else 0
+
+        return call
+
+    def _set_text(self, variable: Variable, text: str) -> None:
+        set_string = self._function("fmi2SetString", POINTER, POINTER, COUNT, POINTER)
+        reference = (ctypes.c_uint * 1)(variable.reference)
+        values = (ctypes.c_char_p * 1)(text.encode())
+        self._call(set_string, ctypes.addressof(reference), 1, ctypes.addressof(values))
+
+    def enter_initialisation(self) -> None:
+        self._call(self._function("fmi2EnterInitializationMode", POINTER))
+
+    def exit_initialisation(self) -> None:
+        self._call(self._function("fmi2ExitInitializationMode", POINTER))
+        self.faults = 0
+        self._running = True
+
+    def _advance(self, time: float, size: float) -> int:
+        status: int = self._do_step(self._instance, time, size, not self._saved)
+        return status
+
+    def _state_function(self, verb: str) -> Any:
+        return self._function(f"fmi2{verb}FMUstate", POINTER, POINTER)
+
+
+@functools.cache
+def _logger() -> Any:
+    """The one callback of all units; fmpy's proxy keeps it for the life of the process."""
+    from fmpy import fmi2
+
+    return fmi2.fmi2CallbackLoggerTYPE(_heard)
+
+
+def _heard(
+    environment: int | None, instance: bytes, status: int, category: bytes, message: bytes | None
+) -> None:
+    """Logger of all units of FMI 2."""
+    route(environment, status, message)
+
+
+def _format_varargs(callbacks: Any) -> None:
+    """Let fmpy's proxy format the C varargs of log messages, where it is there."""
+    try:
+        from fmpy.logging import addLoggerProxy
+    except Exception:
+        return
+    addLoggerProxy(ctypes.byref(callbacks))
+
+
+def _location(folder: Path, tool: str) -> str:
+    """URI of the resources; plain for PythonFMU, which takes the text behind `file://` as it is."""
+    whole = folder.resolve()
+    if "PythonFMU" not in tool:
+        return whole.as_uri()
+    path = whole.as_posix()
+    return f"file://{path}" if path.startswith("/") else f"file:///{path}"

@@ -1,0 +1,142 @@
+"""FMI 3.0 for co-simulation.
+
+No event mode and no early return are asked for, so an FMU handles its events inside its step,
+as FMI 3 then demands. One that announces an event, returns early or asks for the end all the
+same is refused with that reason.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...errors import UnitFailure
+from ..description import Variable
+from .buffers import DTYPES
+from .in_process import Local, listen, route
+
+POINTER = ctypes.c_void_p
+DOUBLE = ctypes.c_double
+COUNT = ctypes.c_size_t
+FLAG = ctypes.c_bool
+TEXT = ctypes.c_char_p
+
+
+class Fmi3Unit(Local):
+    """An instance of an FMI 3.0 FMU."""
+
+    PREFIX = "fmi3"
+    dtypes: ClassVar = {**DTYPES, "Boolean": np.bool_, "Enumeration": np.int64}
+    SUFFIX: ClassVar = {"Enumeration": "Int64"}
+
+    def _instantiate(self, folder: Path) -> Any:
+        from fmpy.fmi3 import fmi3LogMessageCallback
+
+        instantiate = self._function(
+            "fmi3InstantiateCoSimulation",
+            *(TEXT, TEXT, TEXT, FLAG, FLAG, FLAG, FLAG, POINTER, COUNT, POINTER),
+            *(fmi3LogMessageCallback, POINTER),
+            result=POINTER,
+        )
+        self._do_step = self._function("fmi3DoStep", POINTER, DOUBLE, DOUBLE, FLAG, *4 * [POINTER])
+        self._event = ctypes.c_bool()
+        self._terminate = ctypes.c_bool()
+        self._early = ctypes.c_bool()
+        self._reached = ctypes.c_double()
+        told = (self._event, self._terminate, self._early, self._reached)
+        self._told = tuple(ctypes.addressof(entry) for entry in told)
+        resources = folder / "resources"
+        return instantiate(
+            self.name.encode(),
+            self.interface.guid.encode(),
+            (str(resources.resolve()) + os.sep).encode() if resources.is_dir() else None,
+            *(False, True, False, False),
+            *(None, 0),
+            listen(self),
+            _logger(),
+            None,
+        )
+
+    def prepare(
+        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+    ) -> None:
+        self._set_starts(start)
+        self._span = (tolerance, time, stop)
+
+    def enter_initialisation(self) -> None:
+        tolerance, time, stop = self._span
+        enter = self._function(
+            "fmi3EnterInitializationMode", POINTER, FLAG, DOUBLE, DOUBLE, FLAG, DOUBLE
+        )
+        self._call(enter, tolerance is not None, tolerance or 0.0, time, True, stop)
+
+    def exit_initialisation(self) -> None:
+        self._call(self._function("fmi3ExitInitializationMode", POINTER))
+        self.faults = 0
+        self._running = True
+
+    def _bind(self, verb: str, kind: str, references: list[int], values: Any) -> Callable[[], int]:
+        count, total = len(references), len(values)
+        name = f"fmi3{verb}{self.SUFFIX.get(kind, kind)}"
+        raw = self._function(name, POINTER, POINTER, COUNT, POINTER, COUNT)
+        wanted = (ctypes.c_uint * count)(*references)
+        instance = self._instance
+        there = ctypes.addressof(wanted)
+        pointer = values.ctypes.data
+        keep = (wanted, values)
+
+        def call() -> int:
+            return int(raw(instance, there, count, pointer, total) if keep else 0)
+
+        return call
+
+    def _set_text(self, variable: Variable, text: str) -> None:
+        set_string = self._function("fmi3SetString", POINTER, POINTER, COUNT, POINTER, COUNT)
+        reference = (ctypes.c_uint * 1)(variable.reference)
+        values = (ctypes.c_char_p * 1)(text.encode())
+        self._call(set_string, ctypes.addressof(reference), 1, ctypes.addressof(values), 1)
+
+    def _advance(self, time: float, size: float) -> int:
+        kept = not self._saved
+        status = int(self._do_step(self._instance, time, size, kept, *self._told))
+        if status in (0, 1):
+            self._refuse(time, size)
+        return status
+
+    def _refuse(self, time: float, size: float) -> None:
+        """`UnitFailure` where the step did not simply go through."""
+        where = f"{self.name}: step from t = {time:.9g} s by {size:.4g} s"
+        if self._terminate.value:
+            raise UnitFailure(f"{where}: the unit asks for the end of the simulation{self.said()}")
+        if self._early.value:
+            raise UnitFailure(
+                f"{where}: the unit returned early, at t = {self._reached.value:.9g} s, which it"
+                " was not allowed to; export it without early return"
+            )
+        if self._event.value:
+            raise UnitFailure(
+                f"{where}: the unit asks for event mode, which it was not given; export it so"
+                " that it handles its events inside a step"
+            )
+
+    def _state_function(self, verb: str) -> Any:
+        return self._function(f"fmi3{verb}FMUState", POINTER, POINTER)
+
+
+@functools.cache
+def _logger() -> Any:
+    """The one callback of all units, there for the life of the process."""
+    from fmpy.fmi3 import fmi3LogMessageCallback
+
+    return fmi3LogMessageCallback(_heard)
+
+
+def _heard(environment: int | None, status: int, category: bytes, message: bytes | None) -> None:
+    """Logger of all units of FMI 3."""
+    route(environment, status, message)

@@ -1,0 +1,213 @@
+"""An FMU in this process: what both versions of FMI have in common."""
+
+from __future__ import annotations
+
+import ctypes
+import itertools
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+from weakref import WeakValueDictionary
+
+import numpy as np
+
+from ...errors import FmuError, UnitFailure
+from ..description import Interface, Variable
+from .base import STATUS, Unit, Values
+from .buffers import Block, blocks, reader, writer
+from .library import loaded, shared_library
+
+FATAL = 4
+
+
+class Local(Unit):
+    """An instance called through preallocated buffers.
+
+    Subclasses say how their version of FMI names and shapes its functions; `dtypes` are the
+    array types of the values that travel.
+    """
+
+    PREFIX: ClassVar[str]
+    dtypes: ClassVar[Mapping[str, Any]]
+
+    def __init__(self, name: str, interface: Interface, folder: Path) -> None:
+        super().__init__(name, interface)
+        self._running = False
+        self._instance: Any = None
+        self._broken = False
+        self._why = ""
+        self._saved = 0
+        self._functions: dict[str, Any] = {}
+        self._library = loaded(interface, shared_library(interface, folder))
+        self._instance = self._instantiate(folder)
+        if not self._instance:
+            raise UnitFailure(f"{name}: cannot be instantiated{self.said()}")
+        self._send: Callable[[], int] = _nothing
+        self._receive: list[Callable[[], int]] = []
+        self._sent: list[Block] = []
+        self._start: dict[str, float | str] = {}
+
+    def _function(self, name: str, *types: Any, result: Any = ctypes.c_int) -> Any:
+        """A function of the library with its argument types."""
+        if name in self._functions:
+            return self._functions[name]
+        try:
+            function = self._library[name]
+        except AttributeError:
+            raise FmuError(
+                f"{self.interface.path}: its library has no function {name}; build it again"
+            ) from None
+        function.argtypes = types
+        function.restype = result
+        self._functions[name] = function
+        return function
+
+    @abstractmethod
+    def _instantiate(self, folder: Path) -> Any:
+        """The instance, or null."""
+
+    @abstractmethod
+    def _bind(self, verb: str, kind: str, references: list[int], values: Any) -> Callable[[], int]:
+        """Call without arguments that gets or sets variables of one type."""
+
+    def _set_starts(self, start: Mapping[str, float | str]) -> None:
+        """Set start values by name; arrays with what has been set of them before."""
+        self._start = {**self._start, **start}
+        every = self.interface.variables.values()
+        variables = [self.interface.variables[name] for name in start]
+        numbers = [v for v in variables if v.numeric]
+        for v in variables:
+            if v.kind == "Binary" or (v.kind == "String" and v.extent > 1):
+                raise UnitFailure(f"{self.name}: {v.name} is no number or text: it cannot be set")
+            if v.kind == "String":
+                self._set_text(v, str(start[v.name]))
+        for block in self._sent:
+            block.preset(self.interface.of("input"), self._start)
+        for block in blocks(numbers, self.dtypes):
+            block.preset(every, self._start)
+            entries = [v for v in numbers if v.kind == block.kind]
+            block.take(np.array([float(start[v.name]) for v in entries]))
+            call = self._bind("Set", block.kind, list(block.begin), block.staging)
+            if status := call():
+                self._fail(f"setting {', '.join(v.name for v in entries)}", status)
+
+    @abstractmethod
+    def _set_text(self, variable: Variable, text: str) -> None:
+        """Set one String."""
+
+    def set(self, start: dict[str, float | str]) -> None:
+        self._set_starts(start)
+
+    def connect(
+        self,
+        inputs: list[Variable],
+        input_values: Values,
+        outputs: list[list[Variable]],
+        output_values: Values,
+    ) -> None:
+        self._sent = blocks(inputs, self.dtypes)
+        for block in self._sent:
+            block.preset(self.interface.of("input"), self._start)
+        self._send = writer(self._sent, input_values, lambda *what: self._bind("Set", *what))
+        everything: list[Variable] = []
+        self._receive = []
+        for group in outputs:
+            everything = everything + group
+            made = blocks(everything, self.dtypes)
+            values = output_values[: len(everything)]
+            get = reader(self.name, made, values, lambda *what: self._bind("Get", *what))
+            self._receive.append(get)
+
+    def read_whole_at_once(self) -> None:
+        self._receive = self._receive[-1:]
+
+    def send(self) -> None:
+        if status := self._send():
+            self._fail("setting inputs", status)
+
+    def receive(self, group: int = -1) -> None:
+        status = self._receive[group]()
+        if status or (self.faults and self._running):
+            self._fail("reading outputs", status or 3)
+
+    def step(self, time: float, size: float) -> None:
+        self.steps += 1
+        if status := self._advance(time, size):
+            self._fail(f"step from t = {time:.9g} s by {size:.4g} s", status)
+
+    @abstractmethod
+    def _advance(self, time: float, size: float) -> int:
+        """Status of one doStep; a saved state is said to be kept for a rollback."""
+
+    def save(self) -> Any:
+        state = ctypes.c_void_p()
+        self._call(self._state_function("Get"), ctypes.addressof(state))
+        self._saved += 1
+        return state
+
+    def restore(self, state: Any) -> None:
+        self.rollbacks += 1
+        self.faults = 0
+        self._call(self._state_function("Set"), state)
+
+    def forget(self, state: Any) -> None:
+        self._saved -= 1
+        if not self._broken:
+            self._call(self._state_function("Free"), ctypes.addressof(state))
+
+    @abstractmethod
+    def _state_function(self, verb: str) -> Any:
+        """Get, Set or Free of FMU states."""
+
+    def close(self) -> None:
+        """End the instance; safe to call twice, and after a failure.
+
+        An instance that has reported a fatal error is left alone: FMI allows no call on it.
+        """
+        instance, self._instance = self._instance, None
+        if instance is None or self._broken:
+            return
+        if self._running:
+            self._function(f"{self.PREFIX}Terminate", ctypes.c_void_p)(instance)
+        self._function(f"{self.PREFIX}FreeInstance", ctypes.c_void_p, result=None)(instance)
+
+    def _call(self, function: Any, *arguments: Any) -> None:
+        if self._broken:
+            raise UnitFailure(self._why)
+        if status := function(self._instance, *arguments):
+            self._fail(function.__name__, status)
+
+    def _fail(self, what: str, status: int) -> None:
+        if status == 1:
+            return
+        self._broken = status >= FATAL
+        label = STATUS[status] if 0 <= status < len(STATUS) else f"status {status}"
+        self._why = f"{self.name}: {what}: {label}{self.said()}"
+        raise UnitFailure(self._why)
+
+
+_listeners: WeakValueDictionary[int, Unit] = WeakValueDictionary()
+_numbers = itertools.count(1)
+
+
+def listen(unit: Unit) -> int:
+    """Number under which a unit's messages come back.
+
+    fmpy's proxy for C varargs keeps one logger for the whole process, the last one given;
+    the environment handed to the instance is what still tells the units apart.
+    """
+    number = next(_numbers)
+    _listeners[number] = unit
+    return number
+
+
+def route(environment: int | None, status: int, message: bytes | None) -> None:
+    """Hand a message to the unit that it comes from."""
+    unit = _listeners.get(environment or 0)
+    if unit is not None:
+        unit.log(status, (message or b"").decode("utf-8", "replace"))
+
+
+def _nothing() -> int:
+    return 0

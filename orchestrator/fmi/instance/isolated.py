@@ -1,0 +1,307 @@
+"""A unit in a process of its own: foreign code that crashes, hangs or hoards ends itself alone."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import FmuError, UnitFailure, printable
+from ..description import Interface, Variable
+from .base import Limits, Unit, Values
+from .protocol import STEP, Garbled, Gone, command, read_answer, write_all
+
+LAST_WORDS = 4000
+STARTUP = 60.0
+"""Seconds that a process gets to come up at least, before any call of the FMU."""
+FAREWELL = 2.0
+"""Seconds that a unit gets to terminate and free itself at the end."""
+
+
+class Remote(Unit):
+    """The master's end of an isolated unit.
+
+    A step is one round trip: inputs, doStep and outputs together. A call without an answer
+    within `limits.patience` has its process killed. `lost` is a process that has ended, or
+    that owes an answer still.
+    """
+
+    def __init__(self, name: str, interface: Interface, folder: Path, limits: Limits) -> None:
+        super().__init__(name, interface)
+        self._limits = limits
+        self._inputs: Values = np.zeros(0)
+        self._outputs: Values = np.zeros(0)
+        self._fresh = False
+        self._current = False
+        self._lost = False
+        self._why = f"{name}: its process has been given up"
+        try:
+            self._process = _started(folder)
+        except OSError as error:
+            reason = f"its process cannot be started ({error.strerror})"
+            raise UnitFailure(f"{name}: {reason}") from None
+        assert self._process.stdin and self._process.stdout and self._process.stderr
+        self._to, self._from = self._process.stdin.fileno(), self._process.stdout.fileno()
+        self._words = _Tail(self._process.stderr)
+        self._watch = _Watch(self._process, max(STARTUP, limits.patience))
+        try:
+            path, memory = str(interface.path.resolve()), limits.memory
+            self._ask(b"o", {"path": path, "memory": memory}, "starting its process")
+            self._watch.patience = limits.patience
+            self._ask(b"n", {"name": name, "folder": str(folder.resolve())}, "instantiating")
+        except BaseException:
+            self.close()
+            raise
+
+    def _ask(self, letter: bytes, given: Any, what: str) -> Any:
+        """A command with JSON; what the answer says."""
+        payload = b"" if given is None else json.dumps(given).encode()
+        return self._exchange(letter, payload, what)[0]
+
+    def _exchange(self, letter: bytes, payload: bytes, what: str) -> tuple[Any, bytes]:
+        """One round trip; `UnitFailure` where the unit fails, dies or does not answer."""
+        if self._lost:
+            raise UnitFailure(self._why)
+        self._lost = True
+        self._watch.begin()
+        try:
+            write_all(self._to, command(letter, payload))
+            kind, said, messages, values = read_answer(self._from)
+        except Gone:
+            self._why = f"{self.name}: {what}: {self._fate()}{self.said()}"
+            raise UnitFailure(self._why) from None
+        except Garbled:
+            self._why = f"{self.name}: {what}: its process gave no sane answer"
+            raise UnitFailure(self._why) from None
+        finally:
+            self._watch.end()
+        self._lost = False
+        for message in messages:
+            self.log(0, message)
+        if kind == b"k":
+            return said, values
+        raise (FmuError if kind == b"e" else UnitFailure)(str(said))
+
+    def _fate(self) -> str:
+        """What has become of the process, which has closed its pipe."""
+        try:
+            code = self._process.wait(FAREWELL)
+        except subprocess.TimeoutExpired:
+            _kill(self._process)
+            code = self._process.wait()
+        if self._watch.fired:
+            fate = f"no answer within {self._watch.patience:g} s; its process was stopped"
+        elif code < 0:
+            names = {entry.value: entry.name for entry in signal.Signals}
+            fate = f"its process died of {names.get(-code, f'signal {-code}')}"
+        else:
+            fate = f"its process ended itself with exit code {code}"
+        if not self._watch.fired and _largest_child() > 0.9 * self._limits.memory:
+            fate += f", it seems for want of memory: it may take {_in_bytes(self._limits.memory)}"
+        words = self._words.text()
+        return f"{fate}; its last words: {words}" if words else fate
+
+    def prepare(
+        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+    ) -> None:
+        self._ask(b"p", [start, time, stop, tolerance], "setting start values")
+
+    def set(self, start: dict[str, float | str]) -> None:
+        self._ask(b"t", start, "setting parameters")
+        self._current = False
+
+    def connect(
+        self,
+        inputs: list[Variable],
+        input_values: Values,
+        outputs: list[list[Variable]],
+        output_values: Values,
+    ) -> None:
+        self._inputs, self._outputs = input_values, output_values
+        names = [v.name for group in outputs for v in group]
+        self._ask(b"c", {"inputs": [v.name for v in inputs], "outputs": names}, "connecting")
+
+    def read_whole_at_once(self) -> None:
+        """Nothing to do: an isolated unit always reads all outputs."""
+
+    def enter_initialisation(self) -> None:
+        self._ask(b"i", None, "entering initialisation")
+
+    def exit_initialisation(self) -> None:
+        self._ask(b"x", None, "leaving initialisation")
+
+    def send(self) -> None:
+        """Leave the inputs to the next call, which takes them along."""
+        self._fresh = True
+        self._current = False
+
+    def step(self, time: float, size: float) -> None:
+        self.steps += 1
+        payload = STEP.pack(time, size, self._fresh)
+        if self._fresh:
+            payload += self._inputs.tobytes()
+        what = f"step from t = {time:.9g} s by {size:.4g} s"
+        self._take(self._exchange(b"d", payload, what)[1])
+
+    def receive(self, group: int = -1) -> None:
+        if not self._current:
+            payload = b"\x01" + (self._inputs.tobytes() if self._fresh else b"")
+            self._take(self._exchange(b"g", payload, "reading outputs")[1])
+
+    def _take(self, values: bytes) -> None:
+        self._fresh = False
+        self._current = True
+        if len(values) != self._outputs.nbytes:
+            raise UnitFailure(f"{self.name}: its process answered with other values than asked")
+        self._outputs[:] = np.frombuffer(values)
+
+    def _flush(self) -> None:
+        """Hand over inputs that wait, before a state is taken."""
+        if self._fresh:
+            self._exchange(b"g", b"\x00" + self._inputs.tobytes(), "setting inputs")
+            self._fresh = False
+
+    def save(self) -> Any:
+        self._flush()
+        return self._ask(b"s", None, "saving its state")
+
+    def restore(self, state: Any) -> None:
+        self.rollbacks += 1
+        self._fresh = self._current = False
+        self._ask(b"r", state, "going back to a state")
+
+    def forget(self, state: Any) -> None:
+        if not self._lost:
+            self._ask(b"f", state, "freeing a state")
+
+    def close(self) -> None:
+        """End the process: by asking, or where that fails by force. No orphan is left."""
+        process = self._process
+        try:
+            if process.poll() is None and not self._lost:
+                self._watch.patience = min(FAREWELL, self._limits.patience)
+                self._ask(b"q", None, "closing")
+                self._lost = True
+                process.stdin.close()  # type: ignore[union-attr]
+                process.wait(FAREWELL)
+        except (UnitFailure, FmuError, OSError, subprocess.TimeoutExpired) as error:
+            self.log(0, str(error))
+        finally:
+            self._lost = True
+            _kill(process)
+            process.wait()
+            self._watch.stop()
+            self._words.stop()
+            for stream in (process.stdin, process.stdout):
+                with suppress(OSError):
+                    stream.close()  # type: ignore[union-attr]
+
+
+def _started(folder: Path) -> subprocess.Popen[bytes]:
+    """A process for one unit, which finds this package where this process has it."""
+    here = str(Path(__file__).resolve().parents[3])
+    path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH", "")]))
+    return subprocess.Popen(
+        [sys.executable, "-P", "-m", "orchestrator.fmi.instance.isolated_child", str(os.getpid())],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": path},
+        start_new_session=True,
+    )
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    """Kill a process that has not ended, and what it has started."""
+    if process.poll() is None:
+        with suppress(ProcessLookupError):
+            if hasattr(os, "killpg"):
+                os.killpg(process.pid, signal.SIGKILL)
+            else:
+                process.kill()
+
+
+def _largest_child() -> float:
+    """Most memory [byte] that any process of ours that has ended had; 0 where nobody knows."""
+    try:
+        import resource
+    except ImportError:
+        return 0.0
+    most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    return most * (1.0 if sys.platform == "darwin" else 1024.0)
+
+
+def _in_bytes(count: int) -> str:
+    """A number of bytes in MB, as scenes have it."""
+    return f"{count / 1e6:.4g} MB"
+
+
+class _Tail:
+    """Reads what a process prints, however much, and keeps the end."""
+
+    def __init__(self, stream: Any) -> None:
+        self._kept = b""
+        self._stream = stream
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+
+    def _read(self) -> None:
+        with self._stream as stream:
+            while chunk := os.read(stream.fileno(), 1 << 16):
+                self._kept = (self._kept + chunk)[-LAST_WORDS:]
+
+    def text(self) -> str:
+        """The last line, safe to print; of what came through in time."""
+        self._thread.join(0.5)
+        lines = self._kept.decode("utf-8", "replace").split("\n")
+        last = [line.strip() for line in lines if line.strip()][-1:]
+        return printable(last[0], most=300) if last else ""
+
+    def stop(self) -> None:
+        self._thread.join(FAREWELL)
+
+
+class _Watch:
+    """Kills a process whose call has begun and not ended within `patience` seconds.
+
+    Seconds count in which this process runs: who is stopped and goes on finds its units alive.
+    """
+
+    def __init__(self, process: subprocess.Popen[bytes], patience: float) -> None:
+        self.patience = patience
+        self.fired = False
+        self._process = process
+        self._turns = 0
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._look, daemon=True)
+        self._thread.start()
+
+    def begin(self) -> None:
+        self._turns += 1
+
+    def end(self) -> None:
+        self._turns += 1
+
+    def _look(self) -> None:
+        seen, waited = 0, 0.0
+        while not self._over.wait(pause := min(0.2, max(0.005, 0.2 * self.patience))):
+            turns = self._turns
+            waited = waited + pause if turns == seen and turns % 2 else 0.0
+            seen = turns
+            if waited > self.patience:
+                self.fired = True
+                _kill(self._process)
+                return
+
+    def stop(self) -> None:
+        self._over.set()
+        self._thread.join()

@@ -1,0 +1,169 @@
+"""The process of an isolated unit: one FMU instance behind a pipe.
+
+Started as `python -m orchestrator.fmi.instance.isolated_child` with the pipe as standard input
+and output; what the FMU itself prints goes to standard error. It ends when the pipe does, or when
+its parent has ended.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import FmuError, UnitFailure, printable
+from ..description import Interface, Variable, read_interface
+from . import in_process
+from .in_process import Local
+from .protocol import COMMAND, STEP, Gone, answer, read_exactly, write_all
+
+
+class Host:
+    """The instance, its buffers, and one method for each command."""
+
+    def __init__(self) -> None:
+        self.unit: Local | None = None
+        self.interface: Interface | None = None
+        self.told = 0
+        self.states: dict[int, Any] = {}
+        self.inputs = np.zeros(0)
+        self.outputs = np.zeros(0)
+
+    def serve(self, commands: int, answers: int) -> None:
+        """Answer commands until the pipe ends."""
+        while True:
+            letter, size = COMMAND.unpack(read_exactly(commands, COMMAND.size))
+            payload = read_exactly(commands, size)
+            try:
+                text, values = self.obey(letter.decode(), payload)
+                reply = answer(b"k", self._news(text), values)
+            except UnitFailure as error:
+                reply = answer(b"f", self._news(str(error)))
+            except FmuError as error:
+                reply = answer(b"e", self._news(str(error)))
+            write_all(answers, reply)
+
+    def _news(self, text: Any) -> Any:
+        """What is to be said, with the messages that have come since the last answer."""
+        fresh: list[str] = []
+        if self.unit is not None and self.unit.heard > self.told:
+            fresh = self.unit.messages[self.told - self.unit.heard :]
+            self.told = self.unit.heard
+        return None if text is None and not fresh else {"said": text, "messages": fresh}
+
+    def obey(self, letter: str, payload: bytes) -> tuple[Any, bytes]:
+        """Carry out one command; text and values of the answer."""
+        if letter == "o":
+            given = json.loads(payload)
+            _limit_memory(given["memory"])
+            self.interface = read_interface(Path(given["path"]))
+            importlib.import_module(f"fmpy.fmi{self.interface.version}")
+            return None, b""
+        if letter == "n" and self.interface is not None:
+            given = json.loads(payload)
+            self.unit = in_process(given["name"], self.interface, Path(given["folder"]))
+            return None, b""
+        if self.unit is None:
+            raise UnitFailure("not open yet")
+        return self._obey(self.unit, letter, payload)
+
+    def _obey(self, unit: Local, letter: str, payload: bytes) -> tuple[Any, bytes]:
+        if letter == "d":
+            size = STEP.size
+            moment, step, fresh = STEP.unpack(payload[:size])
+            if fresh:
+                self.inputs[:] = np.frombuffer(payload[size:])
+                unit.send()
+            unit.step(moment, step)
+            unit.receive()
+            return None, self.outputs.tobytes()
+        if letter == "g":
+            if len(payload) > 1:
+                self.inputs[:] = np.frombuffer(payload[1:])
+                unit.send()
+            if payload[0]:
+                unit.receive()
+            return None, self.outputs.tobytes()
+        if letter == "s":
+            number = max(self.states, default=0) + 1
+            self.states[number] = unit.save()
+            return number, b""
+        return self._seldom(unit, letter, json.loads(payload or b"null")), b""
+
+    def _seldom(self, unit: Local, letter: str, given: Any) -> Any:
+        if letter == "r":
+            unit.restore(self.states[given])
+        elif letter == "f":
+            unit.forget(self.states.pop(given))
+        elif letter == "p":
+            unit.prepare(*given)
+        elif letter == "t":
+            unit.set(given)
+        elif letter == "c":
+            self._connect(unit, given)
+        elif letter == "i":
+            unit.enter_initialisation()
+        elif letter == "x":
+            unit.exit_initialisation()
+        elif letter == "q":
+            unit.close()
+        return None
+
+    def _connect(self, unit: Local, given: Any) -> None:
+        known = unit.interface.variables
+        inputs: list[Variable] = [known[name] for name in given["inputs"]]
+        outputs = [known[name] for name in given["outputs"]]
+        self.inputs, self.outputs = np.zeros(len(inputs)), np.zeros(len(outputs))
+        unit.connect(inputs, self.inputs, [outputs], self.outputs)
+
+
+def _limit_memory(most: int) -> None:
+    """Cap what the FMU may allocate on top of what there is; no core files."""
+    try:
+        import resource
+    except ImportError:
+        return
+    pages = int(Path("/proc/self/statm").read_text().split()[0]) if sys.platform == "linux" else 0
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    limit = min(pages * resource.getpagesize() + most, sys.maxsize)
+    if hard == resource.RLIM_INFINITY or limit < hard:
+        resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def _follow(parent: int) -> None:
+    """End this process and what it has started when its parent is gone, whatever the FMU does."""
+    while os.getppid() == parent:
+        time.sleep(0.5)
+    if hasattr(os, "killpg") and os.getpgrp() == os.getpid():
+        os.killpg(0, signal.SIGKILL)
+    os._exit(1)
+
+
+def main() -> None:
+    """Take the pipe off the standard streams and serve."""
+    commands, answers = os.dup(0), os.dup(1)
+    null = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(null, 0)
+    os.dup2(2, 1)
+    threading.Thread(target=_follow, args=(int(sys.argv[1]),), daemon=True).start()
+    try:
+        Host().serve(commands, answers)
+    except Gone:
+        pass
+    except BaseException as error:
+        print(printable(repr(error)), file=sys.stderr, flush=True)
+        os._exit(3)
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

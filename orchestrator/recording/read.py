@@ -1,0 +1,136 @@
+"""A file as a table that can be interpolated: whole, finite, in the order of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import RecordingError, printable
+from ..units import UnitError, factor
+from .binary_files import read_matlab, read_netcdf, read_parquet
+from .columns import Choice
+from .csv_file import read_csv
+from .interpolation import fitted
+from .table import Table, Values
+
+READERS: dict[str, Callable[[Path, Choice], Table]] = {
+    ".csv": read_csv,
+    ".txt": read_csv,
+    ".tsv": read_csv,
+    ".nc": read_netcdf,
+    ".mat": read_matlab,
+    ".parquet": read_parquet,
+}
+LARGEST = 512 << 20
+"""Bytes that a recording may have, unless the scene says otherwise."""
+ALIKE = 0.01
+EVEN = 0.9
+LONG = 1.5
+"""Where nine steps of ten are alike within a hundredth, one that is longer by half is a gap."""
+
+
+def read_table(path: Path, choice: Choice, *, bridge: str = "", most: int = LARGEST) -> Table:
+    """Checked table of a file: time in seconds and rising, no value missing.
+
+    `bridge` names the interpolation that fills gaps; without it they are refused. Raises
+    :class:`RecordingError` with file, line and remedy.
+    """
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        known = ", ".join(READERS)
+        raise RecordingError(f"{path}: no format known for {path.suffix!r}; there is {known}")
+    try:
+        if path.is_dir():
+            raise RecordingError(f"{path}: is a folder, not a recording")
+        size = path.stat().st_size
+        if size > most:
+            raise RecordingError(
+                f"{path}: has {size} bytes, more than {most}; take fewer rows or columns, or raise"
+                ' the limit, as memory = "2 GiB"'
+            )
+        if size == 0:
+            raise RecordingError(f"{path}: is empty: no headings, no rows")
+        table = reader(path, choice)
+    except OSError as error:
+        raise RecordingError(f"{path}: no such recording ({error.strerror or error})") from None
+    except ValueError as error:
+        raise RecordingError(f"{printable(str(path))}: no such recording ({error})") from None
+    return _whole(_in_order(_in_seconds(table)), bridge)
+
+
+def _in_seconds(table: Table) -> Table:
+    clock = table.columns[0]
+    try:
+        scale = factor(clock.unit or "s", "s")
+    except UnitError as error:
+        raise RecordingError(f"{table.path}: column {clock.heading!r}: {error}") from None
+    return table if scale == 1.0 else replace(table, times=table.times * scale)
+
+
+def _in_order(table: Table) -> Table:
+    """Two rows or more, their times finite and rising."""
+    times = table.times
+    if len(times) < 2:
+        count = "one row" if len(times) else "no row"
+        raise RecordingError(f"{table.path}: {count} under the headings; a recording has two")
+    if not np.isfinite(times).all():
+        k = int(np.argmin(np.isfinite(times)))
+        raise RecordingError(f"{table.at(k)}: the time is {times[k]}, no finite number")
+    steps = np.diff(times)
+    if not (steps > 0.0).all():
+        k = int(np.argmax(steps <= 0.0)) + 1
+        fault = "stands twice" if steps[k - 1] == 0.0 else f"comes after {times[k - 1]:.9g} s"
+        raise RecordingError(f"{table.at(k)}: t = {times[k]:.9g} s {fault}; times have to rise")
+    return table
+
+
+def _whole(table: Table, bridge: str) -> Table:
+    """No value infinite, none missing; or what is missing filled in."""
+    values = table.values
+    if np.isinf(values).any():
+        k, j = np.argwhere(np.isinf(values))[0]
+        raise RecordingError(f"{table.at(k)}: {_heading(table, j)} is infinite")
+    missing = np.isnan(values)
+    if bridge:
+        return _bridged(table, bridge, missing) if missing.any() else table
+    if missing.any():
+        k, j = np.argwhere(missing)[0]
+        raise RecordingError(
+            f'{table.at(k)}: {_heading(table, j)} has no value; gaps = "bridge" interpolates'
+        )
+    steps = np.diff(table.times)
+    usual = float(np.median(steps))
+    if np.mean(np.abs(steps - usual) < ALIKE * usual) >= EVEN and steps.max() > LONG * usual:
+        k = int(np.argmax(steps > LONG * usual)) + 1
+        raise RecordingError(
+            f"{table.at(k)}: rows are missing, {steps[k - 1]:.4g} s after the one before where"
+            f' {usual:.4g} s is usual; gaps = "bridge" interpolates'
+        )
+    return table
+
+
+def _bridged(
+    table: Table, kind: str, missing: np.ndarray[tuple[int, int], np.dtype[np.bool_]]
+) -> Table:
+    """Missing values as the interpolation of the others has them; never at an end."""
+    values: Values = table.values.copy()
+    for j in range(values.shape[1]):
+        holes = missing[:, j]
+        if not holes.any():
+            continue
+        if holes[0] or holes[-1]:
+            k = 0 if holes[0] else len(holes) - 1
+            raise RecordingError(
+                f"{table.at(k)}: {_heading(table, j)} has no value at the end of the recording:"
+                " nothing to bridge to"
+            )
+        known = fitted(table.times[~holes], values[~holes, j : j + 1], kind)
+        values[holes, j] = [known.at(t)[0][0] for t in table.times[holes]]
+    return replace(table, values=values)
+
+
+def _heading(table: Table, j: int) -> str:
+    return f"column {printable(table.columns[j + 1].heading)!r}"

@@ -1,0 +1,39 @@
+"""What a scenario says of a recording, and the kinds of value that its tables have."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Quantity = Number | Annotated[str, Field(strict=True, min_length=1, max_length=200)]
+Text = Annotated[str, Field(strict=True, max_length=2000)]
+Flag = Annotated[bool, Field(strict=True)]
+Outside = Literal["hold", "zero", "stop"]
+
+
+class Table(BaseModel):
+    """A TOML table: unknown keys are errors, values are frozen."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class RecordingSettings(Table):
+    """The file `data` and how it is read: docs/recordings.md lists the keys.
+
+    `memory` is how large the file may be; `before` and `after` say what holds outside of the
+    record, `repeat` that it goes on periodically.
+    """
+
+    data: Text | None = None
+    memory: Quantity | None = None
+    component: Text | None = None
+    columns: dict[str, Text] = {}
+    units: dict[str, Text] = {}
+    interpolation: Literal["held", "linear", "cubic", "band-limited"] = "cubic"
+    repeat: Flag | Quantity = False
+    offset: Quantity = 0.0
+    before: Outside = "hold"
+    after: Outside = "stop"
+    gaps: Literal["refuse", "bridge"] = "refuse"

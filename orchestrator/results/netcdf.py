@@ -1,0 +1,215 @@
+"""What a run leaves on disk: a labelled netCDF file that is whole, or says that it is not.
+
+A file is written beside its place and renamed at the end. An incomplete run leaves
+`NAME.partial.nc`, marked by its attribute `complete = 0` and the reason.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, OutputError
+from ..scenario.plan import Plan
+from .error_estimate import Estimate
+from .segments import Column, Segments, assemble, folder_of, found
+
+if TYPE_CHECKING:
+    import xarray
+from .outcome import Outcome
+
+
+def dataset(outcome: Outcome) -> xarray.Dataset:
+    """Recorded values over time, named `component.variable`, units and meaning as attributes.
+
+    The dataset's attributes hold what is needed to run it again: scene, FMU digests,
+    versions, master, step; and how it went. Of a run that left memory in segments only the last
+    rows are here: :func:`write` puts all of it into one file.
+    """
+    import xarray
+
+    data = {
+        column.name: ("time", outcome.rows[:, k], dict(column.said))
+        for k, column in enumerate(columns(outcome.plan, outcome.estimates))
+    }
+    time = ("time", outcome.times, {"units": "s", "long_name": "Time at which values hold"})
+    return xarray.Dataset(data, coords={"time": time}, attrs=attributes(outcome))
+
+
+def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Column]:
+    """What a result says of each recorded variable, under names that netCDF takes."""
+    made: list[Column] = []
+    taken: set[str] = set()
+    for index, (component, variable) in enumerate(plan.records):
+        name = f"{component}.{variable.name}"
+        said: dict[str, Any] = {"units": variable.unit, "long_name": variable.description}
+        if estimates is not None:
+            said["estimated_error"] = estimates[name].error
+        safe = netcdf_name(name)
+        if safe != name:
+            said["original_name"] = name
+        if safe in taken:
+            safe = f"{safe}_{index}"
+        taken.add(safe)
+        made.append(Column(safe, said))
+    return made
+
+
+def netcdf_name(name: str) -> str:
+    """A name that netCDF takes: what it does not take becomes `_`."""
+    kept = "".join("_" if c == "/" or not c.isprintable() else c for c in name)
+    short = kept.encode()[:200].decode(errors="ignore")
+    return re.sub(r"^[^A-Za-z0-9_]|\s+$", "_", short)
+
+
+def provenance(plan: Plan) -> dict[str, Any]:
+    """What a run is made of, as netCDF attributes: known before it starts."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        release = version("resilin")
+    except PackageNotFoundError:
+        release = "unknown"
+    digests = {name: interface.guid for name, interface in plan.interfaces.items()}
+    paths = {interface.path for interface in plan.interfaces.values()}
+    hashes = {path: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
+    archives = {name: hashes[interface.path] for name, interface in plan.interfaces.items()}
+    return {
+        "title": plan.scenario.title,
+        "scene": plan.scenario.model_dump_json(by_alias=True),
+        "scene_file": str(plan.path),
+        "fmu_guids": json.dumps(digests),
+        "fmu_sha256": json.dumps(archives),
+        "resilin_version": release,
+        "master": plan.scenario.master.kind,
+        "laws": plan.scenario.master.laws,
+        "communication_step": plan.grid.step,
+        "frequency": plan.frequency or 0.0,
+    }
+
+
+def attributes(outcome: Outcome) -> dict[str, Any]:
+    """Provenance of a run and how it went, as netCDF attributes."""
+    return provenance(outcome.plan) | {
+        "communication_steps": outcome.steps,
+        "rejected_steps": outcome.rejected,
+        "step_calls": json.dumps(outcome.calls),
+        "rollbacks": json.dumps(outcome.rollbacks),
+        "initial_residual": outcome.residual,
+        "coupling_energies": json.dumps(outcome.couplings),
+        "error_estimate": outcome.doubt or ("none" if outcome.estimates is None else "half step"),
+        "wall_time": outcome.wall_time,
+        "complete": int(outcome.failure is None),
+        "reason": str(outcome.failure or ""),
+    }
+
+
+def segments_for(plan: Plan, path: Path) -> Segments:
+    """Where the rows of a long run wait for the end, beside the result."""
+    unfinished = provenance(plan) | {"complete": 0, "reason": "the run was killed"}
+    return Segments(folder_of(path), columns(plan), unfinished)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[xarray.Dataset]:
+    """A result file to read; `InputError` where it is none."""
+    import xarray
+
+    if not path.is_file():
+        raise InputError(f"{path}: no such result; resilin run makes one")
+    try:
+        data = xarray.open_dataset(path, engine="netcdf4")
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{path}: not a result that can be read ({error})") from None
+    with data:
+        if "time" not in data.coords or not data.sizes["time"]:
+            raise InputError(f"{path}: holds no rows over time")
+        yield data
+
+
+def partial_path(path: Path) -> Path:
+    """Where the records of an incomplete run go."""
+    return path.with_name(path.name.removesuffix(".nc") + ".partial.nc")
+
+
+def prepare(path: Path) -> None:
+    """See that a result can be written to `path`, before any work is done for it."""
+    if path.suffix != ".nc":
+        raise OutputError(f"{path}: results are netCDF files; name it *.nc")
+    try:
+        if path.is_dir():
+            raise OutputError(f"{path}: is a folder; name a file")
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise OutputError(f"{path.parent}: cannot be made for {path} ({reason})") from None
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise OutputError(f"{path.parent}: not writable ({error.strerror})") from None
+
+
+def clear(path: Path) -> None:
+    """Remove an earlier result and an earlier partial one from a place about to be filled."""
+    path.unlink(missing_ok=True)
+    partial_path(path).unlink(missing_ok=True)
+
+
+def write(outcome: Outcome, path: Path) -> Path:
+    """Write an outcome to `path`, or beside it as partial where it is not complete."""
+    target = path if outcome.failure is None else partial_path(path)
+    pieces = outcome.segments.pieces() if outcome.segments else iter(())
+    _assembled(
+        target,
+        columns(outcome.plan, outcome.estimates),
+        attributes(outcome),
+        chain(pieces, [(outcome.times, outcome.rows)]),
+    )
+    if outcome.segments is not None:
+        outcome.segments.remove()
+    return target
+
+
+def recover(folder: Path) -> tuple[Path, int]:
+    """Make a partial result of the segments of a killed run; its path and its rows."""
+    left = found(folder)
+    target = partial_path(folder.with_name(folder.name.removesuffix(".segments") + ".nc"))
+    rows = 0
+
+    def counted() -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        nonlocal rows
+        for times, values in left.pieces():
+            rows += len(times)
+            yield times, values
+
+    _assembled(target, left.columns, left.attributes, counted())
+    left.remove()
+    return target, rows
+
+
+def _assembled(
+    target: Path,
+    named: list[Column],
+    said: dict[str, Any],
+    pieces: Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]],
+) -> None:
+    """A file that is whole once it has its name."""
+    waiting = target.with_name(f".{target.name}.part")
+    try:
+        assemble(waiting, named, said, pieces)
+        waiting.replace(target)
+    except (OSError, RuntimeError) as error:
+        raise OutputError(f"{target}: cannot be written ({error})") from None
+    finally:
+        waiting.unlink(missing_ok=True)

@@ -1,0 +1,68 @@
+"""What a run recorded, and how it went."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scenario.plan import Plan
+from .error_estimate import Estimate
+from .segments import Segments
+
+if TYPE_CHECKING:
+    pass
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run recorded, and how it went. `failure` is None for a whole run.
+
+    `points` are its communication points, `rejected` the attempts beside them, `calls` and
+    `rollbacks` counts for each unit, `residual` what was left of the initial conditions,
+    `couplings` the energy created and exchanged by each power coupling [J].
+    `estimates` holds the error of each variable where it was asked for, `doubt` says why
+    there is none. `segments` holds the rows of a long run that have left memory; `times` and
+    `rows` are then the last ones.
+    """
+
+    plan: Plan
+    names: list[str]
+    times: NDArray[np.float64]
+    rows: NDArray[np.float64]
+    wall_time: float
+    steps: int
+    calls: dict[str, int]
+    failure: Exception | None = field(default=None)
+    points: Sequence[float] = ()
+    rejected: int = 0
+    rollbacks: dict[str, int] = field(default_factory=dict)
+    residual: float = 0.0
+    couplings: dict[str, tuple[float, float]] = field(default_factory=dict)
+    segments: Segments | None = None
+    estimates: dict[str, Estimate] | None = None
+    doubt: str = ""
+
+    @property
+    def kept(self) -> int:
+        """Number of rows, those that have left memory included."""
+        return len(self.times) + (self.segments.rows if self.segments is not None else 0)
+
+    @property
+    def simulated(self) -> float:
+        """Time [s] from the start of the run to its last communication point kept."""
+        return float(self.times[-1] - self.plan.grid.start) if len(self.times) else 0.0
+
+    def series(self, name: str) -> NDArray[np.float64]:
+        """Recorded values of `component.variable`."""
+        return np.asarray(self.rows[:, self.names.index(name)])
+
+
+def whole(outcome: Outcome) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times and rows of an outcome, those that have left memory included."""
+    pieces = list(outcome.segments.pieces()) if outcome.segments else []
+    pieces.append((outcome.times, outcome.rows))
+    return np.concatenate([p[0] for p in pieces]), np.concatenate([p[1] for p in pieces])

@@ -1,0 +1,178 @@
+"""Rows of a long run on disk in closed pieces: a kill loses at most the last one.
+
+Each segment is a netCDF file, compressed and checksummed, flushed to disk and renamed when
+whole; `manifest.json` lists them with their SHA-256. At the end they become one file, piece by
+piece, so memory stays bounded however long the run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, OutputError
+
+Values = NDArray[np.float64]
+MANIFEST = "manifest.json"
+CACHE = 1 << 20
+"""Bytes that netCDF may keep of each variable; its own choice is 16 MB for each."""
+CODED: dict[str, Any] = {"zlib": True, "complevel": 1, "fletcher32": True}
+
+
+@dataclass(frozen=True)
+class Column:
+    """A variable of a result: its name in the file and what is said of it."""
+
+    name: str
+    said: Mapping[str, Any]
+
+
+class Segments:
+    """Closed pieces of one run in a folder, made when the first one is written."""
+
+    def __init__(self, folder: Path, columns: Sequence[Column], attributes: Mapping[str, Any]):
+        self.folder = folder
+        self.columns = list(columns)
+        self.attributes = dict(attributes)
+        self.digests: dict[str, str] = {}
+        self.rows = 0
+
+    def __bool__(self) -> bool:
+        return bool(self.digests)
+
+    def write(self, times: Values, rows: Values) -> None:
+        """Close one more segment; `OutputError` where the disk does not take it."""
+        name = f"{len(self.digests):06d}.nc"
+        path = self.folder / name
+        try:
+            if not self.digests:
+                self._claim()
+            waiting = path.with_suffix(".part")
+            _write_piece(waiting, times, rows)
+            self.digests[name] = _sealed(waiting)
+            waiting.replace(path)
+            self.rows += len(times)
+            self._note()
+        except OSError as error:
+            raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+    def _claim(self) -> None:
+        """Make the folder; one that is there belongs to another run, alive or killed."""
+        try:
+            self.folder.mkdir(parents=True)
+        except FileExistsError:
+            raise OutputError(
+                f"{self.folder}: holds the rows of another run; if that one is over,"
+                f" `resilin recover {self.folder}` makes a file of them"
+            ) from None
+
+    def _note(self) -> None:
+        """Bring the manifest up to date, whole at any time."""
+        columns = [[column.name, dict(column.said)] for column in self.columns]
+        text = json.dumps(
+            {"segments": self.digests, "columns": columns, "attributes": self.attributes}
+        )
+        waiting = self.folder / f"{MANIFEST}.part"
+        waiting.write_text(text, encoding="utf-8")
+        waiting.replace(self.folder / MANIFEST)
+
+    def pieces(self) -> Iterator[tuple[Values, Values]]:
+        """Times and rows of each segment, checked against its digest."""
+        for name, digest in self.digests.items():
+            path = self.folder / name
+            if not path.is_file() or _digest(path) != digest:
+                raise InputError(f"{path}: is not what was written; its rows are lost")
+            yield _read_piece(path)
+
+    def remove(self) -> None:
+        """Take the folder away, once its rows are elsewhere."""
+        if self.digests:
+            shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def folder_of(path: Path) -> Path:
+    """Where the segments of a result go while the run lasts."""
+    return path.with_name(path.name.removesuffix(".nc") + ".segments")
+
+
+def found(folder: Path) -> Segments:
+    """Segments that a killed run has left; `InputError` where there are none."""
+    try:
+        known = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        columns = [Column(name, said) for name, said in known["columns"]]
+        segments = Segments(folder, columns, known["attributes"])
+        segments.digests = dict(known["segments"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{folder}: no segments of a run here ({error})") from None
+    return segments
+
+
+def assemble(
+    path: Path,
+    columns: Sequence[Column],
+    attributes: Mapping[str, Any],
+    pieces: Iterator[tuple[Values, Values]],
+) -> None:
+    """One labelled netCDF file from pieces of rows, written in place piece by piece."""
+    import netCDF4
+
+    netCDF4.set_chunk_cache(CACHE)
+    with netCDF4.Dataset(path, "w") as file:
+        file.setncatts(dict(attributes))
+        file.createDimension("time", None)
+        chunk = (4096,)
+        time = file.createVariable("time", "f8", ("time",), chunksizes=chunk, **CODED)
+        time.setncatts({"units": "s", "long_name": "Time at which values hold"})
+        variables = []
+        for column in columns:
+            variable = file.createVariable(
+                column.name, "f8", ("time",), chunksizes=chunk, fill_value=np.nan, **CODED
+            )
+            variable.setncatts(dict(column.said))
+            variables.append(variable)
+        first = 0
+        for times, rows in pieces:
+            last = first + len(times)
+            time[first:last] = times
+            for k, variable in enumerate(variables):
+                variable[first:last] = rows[:, k]
+            first = last
+
+
+def _write_piece(path: Path, times: Values, rows: Values) -> None:
+    import netCDF4
+
+    with netCDF4.Dataset(path, "w") as file:
+        file.createDimension("time", len(times))
+        file.createDimension("column", rows.shape[1])
+        file.createVariable("time", "f8", ("time",), **CODED)[:] = times
+        file.createVariable("rows", "f8", ("time", "column"), **CODED)[:] = rows
+
+
+def _read_piece(path: Path) -> tuple[Values, Values]:
+    import netCDF4
+
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        return np.asarray(file["time"][:]), np.asarray(file["rows"][:])
+
+
+def _sealed(path: Path) -> str:
+    """Digest of a file that has reached the disk."""
+    with path.open("rb") as file:
+        os.fsync(file.fileno())
+    return _digest(path)
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,0 +1,1 @@
+"""A scenario: the TOML text, checked against its FMUs, nothing loaded."""

@@ -1,0 +1,60 @@
+"""Order in which a sequential master steps the units."""
+
+from __future__ import annotations
+
+from ..errors import nearest
+from .connections import Connection
+from .schema import Scenario
+
+
+def order_of(scenario: Scenario, connections: list[Connection], problems: list[str]) -> list[str]:
+    """Order as the scene gives it, else from its wires.
+
+    A unit comes after those that feed it, in the scene's order otherwise. Units of a loop keep the
+    scene's order among themselves: which end of a loop is best extrapolated is for the scene
+    to say.
+    """
+    listed = list(scenario.components)
+    given = scenario.master.order
+    if not given:
+        return _derived(listed, connections)
+    for name in given:
+        if name not in listed:
+            problems.append(f"master.order: no component {name!r}; {nearest(name, listed)}")
+    unknown = set(given) - set(listed)
+    if len(set(given)) != len(given):
+        problems.append("master.order: a component stands twice")
+    elif not unknown and (missing := [name for name in listed if name not in given]):
+        problems.append(f"master.order: {', '.join(missing)} is missing")
+    return list(given)
+
+
+def _derived(listed: list[str], connections: list[Connection]) -> list[str]:
+    """Listed units, sources first; loops as one."""
+    reach = reachable(listed, [(c.source, c.target) for c in connections])
+    before = {
+        name: {other for other in listed if name in reach[other] and other not in reach[name]}
+        for name in listed
+    }
+    order: list[str] = []
+    while len(order) < len(listed):
+        order.append(next(n for n in listed if n not in order and before[n] <= set(order)))
+    return order
+
+
+def reachable(nodes: list[str], edges: list[tuple[str, str]]) -> dict[str, set[str]]:
+    """Nodes that can be reached from each node along one edge or more."""
+    following: dict[str, set[str]] = {node: set() for node in nodes}
+    for source, target in edges:
+        following[source].add(target)
+    reach: dict[str, set[str]] = {}
+    for node in nodes:
+        found: set[str] = set()
+        waiting = list(following[node])
+        while waiting:
+            one = waiting.pop()
+            if one not in found:
+                found.add(one)
+                waiting += following[one]
+        reach[node] = found
+    return reach

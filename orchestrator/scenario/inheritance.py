@@ -1,0 +1,164 @@
+"""`extends` and `without`: a scenario laid over another one."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ..errors import SceneError, nearest, printable
+from .files import read_tree, scene_path
+
+DEEPEST_EXTENDS = 10
+LISTS = ("wires", "variables", "actions", "faults")
+"""Lists to which a scene adds what its base has."""
+
+
+def _merged(path: Path, seen: list[Path]) -> dict[str, Any]:
+    """TOML tree of a scene on top of what it extends."""
+    resolved = path.resolve()
+    if resolved in seen or len(seen) > DEEPEST_EXTENDS:
+        chain = " -> ".join(p.name for p in [*seen, resolved])
+        raise SceneError(f"{path}: extends itself: {chain}")
+    return _based(read_tree(path), path, [*seen, resolved])
+
+
+def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]:
+    """A tree on top of what it extends; `seen` are the files it came through."""
+    if problems := list(_misshapen(tree)):
+        raise SceneError(f"{path}: {problem}" for problem in problems)
+    base_name = tree.pop("extends", None)
+    dropped = tree.pop("without", [])
+    if base_name is None:
+        if dropped:
+            raise SceneError(f"{path}: without: has a meaning only beside extends")
+        return tree
+    base_path = scene_path(base_name, path.parent)
+    base = _merged(base_path, seen)
+    _anchor(base, base_path, path)
+    _drop(base, dropped, path)
+    _release(base, tree.get("wires", []))
+    return _overlaid(base, tree) | {"without": [*base.get("without", []), *dropped]}
+
+
+def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
+    """Files of an extended scene stay beside it, wherever the scene that extends it is."""
+    folder = base_path.resolve().parent
+    if folder == path.resolve().parent:
+        return
+    for component in base.get("components", {}).values():
+        if isinstance(component.get("data"), str):
+            component["data"] = str(folder / component["data"])
+        fmu = component.get("fmu")
+        if isinstance(fmu, str) and (fmu.endswith(".fmu") or "/" in fmu):
+            component["fmu"] = str(folder / fmu)
+
+
+SHAPES: dict[str, tuple[type, str]] = {
+    "extends": (str, "the name of a scene"),
+    "without": (list, "a list of components"),
+    "time": (dict, "a table"),
+    "master": (dict, "a table"),
+    "components": (dict, "a table of tables"),
+    "wires": (list, "a list of tables, written [[wires]]"),
+    "hold": (dict, "a table"),
+    "record": (dict, "a table"),
+    "metrics": (dict, "a table"),
+    "actions": (list, "a list of tables, written [[actions]]"),
+    "faults": (list, "a list of tables, written [[faults]]"),
+}
+
+
+def _misshapen(tree: dict[str, Any]) -> Iterator[str]:
+    """What would keep a tree from being merged with another: tables that are none."""
+    for key, (kind, words) in SHAPES.items():
+        if key in tree and not isinstance(tree[key], kind):
+            yield f"{key}: expected {words}"
+            return
+    for name in tree.get("without", []):
+        if not isinstance(name, str):
+            yield "without: expected a list of components"
+    for name, component in tree.get("components", {}).items():
+        if not isinstance(component, dict) or not isinstance(component.get("start", {}), dict):
+            yield f"components.{name}: expected a table, and a table in start"
+    yield from _misshapen_wires(tree.get("wires", []))
+    for index, action in enumerate(tree.get("actions", [])):
+        if not isinstance(action, dict) or not isinstance(action.get("set"), dict):
+            yield f"actions.{index}: expected a table with at and a table set"
+    for index, fault in enumerate(tree.get("faults", [])):
+        if not isinstance(fault, dict) or not isinstance(fault.get("on"), str):
+            yield f"faults.{index}: expected a table with at, on and kind"
+    variables = tree.get("record", {}).get("variables", [])
+    if not isinstance(variables, list):
+        yield "record.variables: expected a list of texts"
+        return
+    for index, variable in enumerate(variables):
+        if not isinstance(variable, str):
+            given = printable(reprlib.repr(variable), most=60)
+            yield f"record.variables.{index}: expected a text, got {given}"
+
+
+def _misshapen_wires(wires: list[Any]) -> Iterator[str]:
+    for index, wire in enumerate(wires):
+        if not isinstance(wire, dict):
+            yield f"wires.{index}: expected a table with from and to"
+            continue
+        for end in ("from", "to"):
+            if not isinstance(wire.get(end), str):
+                fault = "expected a text" if end in wire else "is missing"
+                yield f"wires.{index}.{end}: {fault}"
+
+
+def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
+    """Remove components and whatever touches them."""
+    components = tree.get("components", {})
+    for name in names:
+        if name not in components:
+            raise SceneError(
+                f"{path}: without: no component {name!r}; {nearest(str(name), components)}"
+            )
+        del components[name]
+        prefix = f"{name}."
+        tree["wires"] = [
+            wire
+            for wire in tree.get("wires", [])
+            if not (wire["from"].startswith(prefix) or wire["to"].startswith(prefix))
+        ]
+        tree["hold"] = {k: v for k, v in tree.get("hold", {}).items() if not k.startswith(prefix)}
+        tree["actions"] = [
+            {**a, "set": {k: v for k, v in a["set"].items() if not k.startswith(prefix)}}
+            for a in tree.get("actions", [])
+        ]
+        tree["faults"] = [f for f in tree.get("faults", []) if f["on"].partition(".")[0] != name]
+        record = tree.get("record", {})
+        if "variables" in record:
+            record["variables"] = [v for v in record["variables"] if not v.startswith(prefix)]
+
+
+def _release(base: dict[str, Any], wires: Any) -> None:
+    """Let go of inherited holds that a new wire feeds, by variable or by port."""
+    targets = [w["to"] for w in wires if isinstance(w, dict) and isinstance(w.get("to"), str)]
+    base["hold"] = {
+        key: value
+        for key, value in base.get("hold", {}).items()
+        if not any(key == target or key.startswith(f"{target}.") for target in targets)
+    }
+
+
+def _overlaid(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
+    """`top` over `base`: tables merge, wires and recorded variables add up, all else replaces.
+
+    A component that names another `fmu` or `data` keeps only what `top` gives.
+    """
+    merged = dict(base)
+    for key, value in top.items():
+        old = merged.get(key)
+        if isinstance(value, dict) and isinstance(old, dict):
+            other = any(k in value and value[k] != old.get(k) for k in ("fmu", "data"))
+            merged[key] = value if other else _overlaid(old, value)
+        elif key in LISTS and isinstance(value, list) and isinstance(old, list):
+            merged[key] = [*old, *value]
+        else:
+            merged[key] = value
+    return merged

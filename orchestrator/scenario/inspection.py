@@ -1,0 +1,169 @@
+"""What a checked scene is made of, as tables: units, connections, held inputs, time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..errors import printable
+from ..fmi.description import Variable
+from .connections import Connection
+from .execution_order import reachable
+from .plan import Plan
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+LAWS = ("value", "affine", "curvature")
+
+
+def tables(plan: Plan) -> list[Table]:
+    """Units in the order in which they are stepped, wires by port, held inputs, the grid."""
+    return [_units(plan), _wires(plan), _held(plan), _shape(plan), _time(plan)]
+
+
+def facts(plan: Plan) -> dict[str, Any]:
+    """The same as data for scripts."""
+    return {
+        "title": plan.scenario.title,
+        "master": plan.scenario.master.model_dump(),
+        "order": plan.order,
+        "units": {
+            name: {
+                "fmu": str(known.path),
+                "guid": known.guid,
+                "fmi": known.version,
+                "rollback": known.rollback,
+                "variable_step": known.variable_step,
+                "ports": known.ports(),
+                "start": plan.starts[name],
+            }
+            for name, known in plan.interfaces.items()
+        },
+        "wires": [
+            {
+                "from": f"{c.source}.{c.output.name}",
+                "to": f"{c.target}.{c.input.name}",
+                "gain": c.gain,
+                "offset": c.offset,
+                "order": c.input.order,
+            }
+            for c in plan.connections
+        ],
+        "held": plan.held,
+        "loops": loops(plan),
+        "left_out": plan.scenario.without,
+        "recordings": {
+            name: {"begin": r.begin, "end": r.end, "outputs": list(r.interface.variables)}
+            for name, r in plan.recordings.items()
+        },
+        "let_go": plan.let_go,
+        "records": [f"{name}.{v.name}" for name, v in plan.records],
+        "time": {
+            "start": plan.grid.start,
+            "stop": plan.grid.stop,
+            "step": plan.grid.step,
+            "steps": plan.grid.count,
+            "frequency": plan.frequency,
+        },
+    }
+
+
+def loops(plan: Plan) -> list[list[str]]:
+    """Units that feed each other, loop by loop, in the order in which they are stepped."""
+    reach = reachable(plan.order, [(c.source, c.target) for c in plan.connections])
+    found = []
+    for name in plan.order:
+        ring = [n for n in plan.order if n in reach[name] and name in reach[n]]
+        if ring and ring not in found:
+            found.append(ring)
+    return found
+
+
+def _units(plan: Plan) -> Table:
+    from rich.table import Table
+
+    table = Table("unit", "FMU", "GUID", "rollback", "ports", "start values", title="units")
+    for name in plan.order:
+        interface = plan.interfaces[name]
+        starts = [
+            f"{key} = {_shown(interface.variables[key], value)}"
+            for key, value in plan.starts[name].items()
+        ]
+        table.add_row(
+            name,
+            interface.path.name,
+            interface.guid[:8],
+            "yes" if interface.rollback else "no",
+            ", ".join(interface.ports()),
+            ", ".join(starts),
+        )
+    return table
+
+
+def _shown(variable: Variable, value: float | str) -> str:
+    """A start value with its unit, or the name of the choice."""
+    if variable.choices:
+        return variable.choices[variable.codes.index(int(float(value)))]
+    if isinstance(value, str):
+        return value
+    unit = "" if variable.unit == "1" else f" {variable.unit}"
+    return f"{value:.6g}{unit}"
+
+
+def _wires(plan: Plan) -> Table:
+    from rich.table import Table
+
+    table = Table("from", "to", "values", "affine", "curvature", title="connected members")
+    groups: dict[tuple[str, str], list[Connection]] = {}
+    for c in plan.connections:
+        ends = (
+            f"{c.source}.{c.output.port or c.output.name}",
+            f"{c.target}.{c.input.port or c.input.name}",
+        )
+        groups.setdefault(ends, []).append(c)
+    for (source, target), members in groups.items():
+        counts = [sum(c.input.order == order for c in members) for order in range(len(LAWS))]
+        table.add_row(source, target, *(str(count) for count in counts))
+    return table
+
+
+def _held(plan: Plan) -> Table:
+    from rich.table import Table
+
+    table = Table("held input", "value", "unit", title="held")
+    for key, value in plan.held.items():
+        component, _, name = key.partition(".")
+        table.add_row(key, f"{value:g}", plan.interfaces[component].variables[name].unit)
+    return table
+
+
+def _shape(plan: Plan) -> Table:
+    """Order of stepping, loops, and what the scene has left out of those that it extends."""
+    from rich.table import Table
+
+    table = Table("", "units", title="structure")
+    table.add_row("order", ", ".join(plan.order))
+    for ring in loops(plan):
+        table.add_row("loop", ", ".join(ring))
+    table.add_row("left out", ", ".join(map(printable, plan.scenario.without)) or "nothing")
+    for name, recording in plan.recordings.items():
+        span = f"{recording.begin:g} to {recording.end:g} s"
+        table.add_row(
+            "recording", f"{name}: {span}, {plan.scenario.components[name].interpolation}"
+        )
+    for told in plan.let_go:
+        table.add_row("let go", printable(told))
+    return table
+
+
+def _time(plan: Plan) -> Table:
+    from rich.table import Table
+
+    grid = plan.grid
+    table = Table("start", "stop", "step", "steps", "frequency", "recorded", title="time")
+    frequency = f"{plan.frequency:g} Hz" if plan.frequency else "none"
+    table.add_row(
+        f"{grid.start:g} s", f"{grid.stop:g} s", f"{grid.step:.6g} s", str(grid.count),
+        frequency, f"{len(plan.records)} variables",
+    )  # fmt: skip
+    return table

@@ -1,0 +1,51 @@
+"""A scenario as checked data, from its file or from a tree: all problems at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ..errors import SceneError, nearest
+from .files import read_tree, scene_path
+from .inheritance import _based
+from .schema import Scenario
+from .validation import _worded
+
+
+def load_scenario(
+    name: str | Path, changes: dict[str, str] | None = None, **options: Any
+) -> tuple[Scenario, Path]:
+    """Scene by name or path, with `component.parameter` values changed; and its file.
+
+    `options` override single keys, as `master={"laws": "held"}`. Raises
+    :class:`SceneError` with every problem found.
+    """
+    path = scene_path(str(name))
+    return scenario_of(read_tree(path), path, changes, **options), path
+
+
+def scenario_of(
+    tree: dict[str, Any], path: Path, changes: Mapping[str, Any] | None = None, **options: Any
+) -> Scenario:
+    """The same from a tree that stands in a file at `path`, from which others are found."""
+    try:
+        tree = _based(tree, path, [path.resolve()])
+        components = tree.get("components", {})
+        for target, text in (changes or {}).items():
+            component, _, parameter = target.partition(".")
+            if component not in components:
+                hint = nearest(component, components)
+                raise SceneError(f"--set {target}: no component {component!r} in {path}; {hint}")
+            components[component].setdefault("start", {})[parameter] = text
+        for key, value in options.items():
+            if value:
+                tree[key] = {**tree.get(key, {}), **value}
+        return Scenario.model_validate(tree)
+    except ValidationError as error:
+        worded = _worded(error.errors(include_url=False))
+        raise SceneError(f"{path}: {text}" for text in worded) from None
+    except RecursionError:
+        raise SceneError(f"{path}: nested too deeply") from None

@@ -1,0 +1,289 @@
+"""A scene held against what its FMUs say of themselves: names, units, causality, time.
+
+Nothing is loaded here. The result is a :class:`Plan`, or a :class:`SceneError` that lists all
+that does not fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import FmuError, RecordingError, SceneError, nearest, printable
+from ..fmi.description import Interface, Variable, read_interface
+from ..fmi.instance.base import Limits
+from ..units import UnitError, si_value
+from .actions import Action, actions_of
+from .connections import Connection, check_all_fed, connections_of, held_of
+from .execution_order import order_of
+from .faults import Fault, faults_of
+from .files import is_file
+from .schema import AUTO, Scenario
+from .start_values import starts_of
+from .substitution import without_replaced
+from .time_grid import Grid, frequency_of, grid_of, seconds
+
+if TYPE_CHECKING:
+    from ..recording.recording import Recording
+
+LIBRARY = Path("build") / "fmus"
+NATIVE = Path("build") / "native"
+"""The same parts without Python in them."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A checked scene: what to load, how it is wired, when it communicates, what is kept.
+
+    `limits` holds for isolated units; `keep_from` is the time [s] from which rows are kept;
+    `advice` says why the step is what it is, where the scene left it open. `recordings` stand in
+    the place of parts, `let_go` tells what the scene does without for that.
+    """
+
+    scenario: Scenario
+    path: Path
+    interfaces: dict[str, Interface]
+    starts: dict[str, dict[str, float | str]]
+    connections: list[Connection]
+    held: dict[str, float]
+    order: list[str]
+    records: list[tuple[str, Variable]]
+    grid: Grid
+    frequency: float | None
+    actions: list[Action] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+    limits: dict[str, Limits] = field(default_factory=dict)
+    keep_from: float = -inf
+    advice: str = ""
+    recordings: dict[str, Recording] = field(default_factory=dict)
+    let_go: list[str] = field(default_factory=list)
+
+    @property
+    def leading(self) -> list[str]:
+        """Recorded variables whose errors count: the motion, else what is wired, else all."""
+        names = [f"{name}.{variable.name}" for name, variable in self.records]
+        moving = [n for n in names if n.rpartition(".")[2] in {"displacement", "flap_angle"}]
+        wired = {f"{c.source}.{c.output.name}" for c in self.connections if not c.output.order}
+        return moving or [name for name in names if name in wired] or names
+
+    @property
+    def fixed_step(self) -> list[str]:
+        """Units that take steps of one size only."""
+        return [name for name, known in self.interfaces.items() if not known.variable_step]
+
+
+def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
+    """Resolve a scene against its FMUs; `SceneError` with every problem."""
+    problems: list[str] = []
+    if not scenario.components:
+        raise SceneError(f"{path}: components: a scene needs at least one")
+    recordings = _recordings(scenario, path, problems)
+    interfaces = _interfaces(scenario, path, library, recordings, problems)
+    if problems:
+        raise SceneError(f"{path}: {problem}" for problem in problems)
+    whole = scenario
+    scenario, let_go = without_replaced(scenario, interfaces, _replays(interfaces), problems)
+    starts = starts_of(scenario, interfaces, problems)
+    fed: dict[str, str] = {}
+    connections = connections_of(scenario, interfaces, fed, problems)
+    held = held_of(scenario, interfaces, fed, problems)
+    if not any(problem.startswith(("hold", "wires")) for problem in problems):
+        check_all_fed(interfaces, fed, problems)
+    order = order_of(scenario, connections, problems)
+    records = _records(scenario, interfaces, problems)
+    frequency = frequency_of(scenario, interfaces, starts, problems) or _recorded(recordings)
+    grid = grid_of(scenario, frequency, problems)
+    actions = actions_of(scenario, interfaces, held, frequency, problems)
+    faults = faults_of(scenario, interfaces, frequency, problems)
+    limits = _limits(scenario, problems)
+    if scenario.master.kind == AUTO:
+        chosen = scenario.master.model_copy(update={"kind": usual(connections)})
+        whole = whole.model_copy(update={"master": chosen})
+    keep_from = _keep_from(scenario, grid, frequency, problems)
+    if problems or grid is None:
+        raise SceneError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
+    plan = Plan(
+        *(whole, path, interfaces, starts, connections, held, order, records),
+        *(grid, frequency, actions, faults, limits, keep_from),
+        recordings=recordings,
+        let_go=let_go,
+    )
+    if problems := list(_uneven(plan)):
+        raise SceneError(f"{path}: {problem}" for problem in problems)
+    return plan
+
+
+def usual(connections: list[Connection]) -> str:
+    """The master for a scene that names none.
+
+    Where two units feed each other nothing but bare numbers, holding them is of first order and
+    feeds the motion: extrapolated. With laws, or without feedback, Gauss-Seidel is of second
+    order at least cost. See docs/coupling.md.
+    """
+    pairs = {(c.source, c.target) for c in connections}
+    lawful = {frozenset((c.source, c.target)) for c in connections if c.input.order}
+    mutual = {frozenset(pair) for pair in pairs if pair[::-1] in pairs}
+    return "extrapolated" if mutual - lawful else "gauss-seidel"
+
+
+def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:
+    """What each isolated unit may take, where the scene says so."""
+    limits = {}
+    for name, component in scenario.components.items():
+        values = {}
+        for key, given, unit in (
+            ("patience", component.patience, "s"),
+            ("memory", component.memory, "byte"),
+        ):
+            if given is None:
+                continue
+            try:
+                values[key] = si_value(given, unit)
+            except UnitError as error:
+                problems.append(f"components.{name}.{key}: {error}")
+                continue
+            if values[key] <= 0.0:
+                problems.append(f"components.{name}.{key}: must be above zero")
+        usual = Limits()
+        limits[name] = Limits(
+            values.get("patience", usual.patience), int(values.get("memory", usual.memory))
+        )
+    return limits
+
+
+def _keep_from(
+    scenario: Scenario, grid: Grid | None, frequency: float | None, problems: list[str]
+) -> float:
+    """Time from which rows are kept: all of the run, or a last stretch of it."""
+    if scenario.record.last is None or grid is None:
+        return -inf
+    last = seconds("record.last", scenario.record.last, frequency, problems)
+    if last <= 0.0:
+        problems.append("record.last: must be above zero")
+    return grid.stop - last - 1e-9 * grid.step
+
+
+def _uneven(plan: Plan) -> Iterator[str]:
+    """What a scene asks of units that take steps of one size only."""
+    fixed = ", ".join(plan.fixed_step)
+    grid = plan.grid
+    if not fixed:
+        return
+    if abs(grid.start + grid.count * grid.step - grid.stop) > 1e-9 * grid.step:
+        yield (
+            f"time.stop: {fixed} takes steps of one size only, and {grid.stop - grid.start:g} s is"
+            f" no multiple of {grid.step:g} s"
+        )
+    if plan.scenario.time.tolerance is not None:
+        yield f"time.tolerance: needs steps of any size, which {fixed} cannot take; give a step"
+
+
+def fmu_path(name: str, scene: Path, library: Path) -> Path:
+    """File of a component: a built part by name, or a path from the scene's folder."""
+    if name.endswith(".fmu") or "/" in name:
+        given = Path(name)
+        return given if given.is_absolute() else scene.parent / given
+    return library / f"{name}.fmu"
+
+
+def interface_of(name: str, scene: Path, library: Path) -> Interface:
+    """Interface of a part by name or of an FMU by its path; `FmuError` where there is none."""
+    file = fmu_path(name, scene, library)
+    if file.parent == library and not is_file(file):
+        raise FmuError(_missing_part(name, library))
+    return read_interface(file)
+
+
+def _recordings(scenario: Scenario, path: Path, problems: list[str]) -> dict[str, Recording]:
+    """Recordings of a scene, read and checked; nothing is imported where there is none."""
+    found: dict[str, Recording] = {}
+    for name, component in scenario.components.items():
+        if component.data is None:
+            continue
+        from ..recording.recording import open_recording
+
+        try:
+            found[name] = open_recording(component, path)
+        except RecordingError as error:
+            problems += [f"components.{name}.data: {line}" for line in str(error).split("\n")]
+    return found
+
+
+def _replays(interfaces: dict[str, Interface]) -> list[str]:
+    """Components that only tell: recordings, and FMUs that `build --recording` has made of them."""
+    return [n for n, i in interfaces.items() if i.ours and not i.of("input")]
+
+
+def _recorded(recordings: dict[str, Recording]) -> float | None:
+    """Cycle that the recordings tell, where they agree."""
+    told = {r.frequency for r in recordings.values() if r.frequency}
+    return told.pop() if len(told) == 1 else None
+
+
+def _interfaces(
+    scenario: Scenario,
+    path: Path,
+    library: Path,
+    recordings: dict[str, Recording],
+    problems: list[str],
+) -> dict[str, Interface]:
+    """Interface of each component, each file read once."""
+    known: dict[Path, Interface] = {}
+    interfaces: dict[str, Interface] = {}
+    for name, component in scenario.components.items():
+        if not name.isidentifier():
+            problems.append(f"components.{printable(name)}: not a name of letters, digits and _")
+            continue
+        if component.fmu is None:
+            if name in recordings:
+                interfaces[name] = recordings[name].interface
+            continue
+        file = fmu_path(component.fmu, path, library)
+        if file not in known:
+            try:
+                known[file] = interface_of(component.fmu, path, library)
+            except FmuError as error:
+                problems.append(f"components.{name}.fmu: {error}")
+                continue
+        interfaces[name] = known[file]
+    return interfaces
+
+
+def _missing_part(name: str, library: Path) -> str:
+    built = [p.stem for p in library.glob("*.fmu")] if library.is_dir() else []
+    command = "resilin build --native" if library.name == NATIVE.name else "resilin build"
+    if not built:
+        return f"no part {name!r} in {library}, which holds no FMU; run: {command}"
+    return f"no part {name!r} in {library}; {nearest(name, built)} ({command} makes parts)"
+
+
+def _records(
+    scenario: Scenario, interfaces: dict[str, Interface], problems: list[str]
+) -> list[tuple[str, Variable]]:
+    """Outputs that match a pattern of the record list, in the scene's order."""
+    patterns = scenario.record.variables
+    outputs = [
+        (name, v)
+        for name, interface in interfaces.items()
+        for v in interface.of("output")
+        if v.numeric
+    ]
+    names = [f"{name}.{v.name}" for name, v in outputs]
+    for index, pattern in enumerate(patterns):
+        if not any(_matches(name, pattern) for name in names):
+            hint = nearest(pattern, names)
+            problems.append(f"record.variables[{index}]: no output {printable(pattern)!r}; {hint}")
+    return [
+        entry
+        for entry, name in zip(outputs, names, strict=True)
+        if any(_matches(name, pattern) for pattern in patterns)
+    ]
+
+
+def _matches(name: str, pattern: str) -> bool:
+    """Whether a pattern names a variable; brackets of an array's element stand for themselves."""
+    return name == pattern or fnmatchcase(name, pattern)

@@ -1,0 +1,177 @@
+"""A scene: the TOML text as checked data, nothing loaded yet.
+
+`extends` takes another scene as it is and changes what differs; `without` drops components
+with all their wires, holds and records. All problems of a file come at once, each with
+its key and the nearest right name.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from ..recording.settings import Flag, Number, Quantity, RecordingSettings, Table, Text
+
+AUTO = "auto"
+
+
+class PerCycle(Table):
+    """A communication step as a fraction of the drive's cycle."""
+
+    per_cycle: Annotated[int, Field(strict=True, ge=1, le=10_000_000)]
+
+
+class Time(Table):
+    """Time span and communication step; `frequency` defines the cycle where it is needed.
+
+    With `step = "auto"` a trial run finds the coarsest step that is stable and accurate.
+    """
+
+    start: Quantity = 0.0
+    stop: Quantity = "50 cycles"
+    step: PerCycle | Quantity = PerCycle(per_cycle=200)
+    frequency: Quantity | None = None
+    tolerance: Annotated[float, Field(strict=True, gt=0.0, lt=1.0)] | None = None
+
+
+RECORDED = set(RecordingSettings.model_fields) - {"data", "memory"}
+"""Keys of a component that only a recording has."""
+
+
+class Component(RecordingSettings):
+    """One unit: a built part by name or any FMU by path, and its start values; or a recording.
+
+    `isolate` puts it into a process of its own or keeps it from that; there `patience` is
+    the time that one call may take, and `memory` what it may allocate. A recording is the file
+    `data` with what docs/recordings.md says of it; `memory` is how large it may be.
+    """
+
+    fmu: Text | None = None
+    start: dict[str, Quantity | Flag] = {}
+    isolate: Flag | None = None
+    patience: Quantity | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Component:
+        """Either an FMU or a recording, and keys that mean something to it."""
+        fields = type(self).model_fields
+        given = {key for key in fields if getattr(self, key) != fields[key].default}
+        if (self.fmu is None) == (self.data is None):
+            fault = "fmu: is missing" if self.fmu is None else "data: an fmu is named too; keep one"
+            raise PydanticCustomError("component", "{fault}", {"fault": fault})
+        if self.data is None:
+            foreign = given & RECORDED
+            fault = ": means nothing without data, the file of a recording"
+        else:
+            foreign = given & {"start", "isolate", "patience"}
+            fault = ": means nothing to a recording, which has no parameters and runs in no process"
+        if self.repeat is not False and not foreign:
+            foreign = given & {"before", "after"}
+            fault = ": means nothing beside repeat, which goes on in both directions"
+        if foreign:
+            raise PydanticCustomError("component", "{fault}", {"fault": min(foreign) + fault})
+        return self
+
+
+class Action(Table):
+    """Values given at a time: tunable parameters, or inputs that are held."""
+
+    at: Quantity
+    set: dict[str, Quantity | Flag]
+
+
+class Fault(Table):
+    """Something injected into a unit, `on` one of its outputs or on all of it.
+
+    From `at` on, `until` it ends if ever; `size` is that of a bias, or the standard deviation
+    of noise, which `seed` determines.
+    """
+
+    at: Quantity
+    on: Text
+    kind: Literal["drop", "freeze", "nan", "bias", "noise"]
+    until: Quantity | None = None
+    size: Quantity | None = None
+    seed: Annotated[int, Field(strict=True, ge=0, lt=1 << 63)] = 0
+
+
+class Wire(Table):
+    """A connection between ports or single variables; `gain` and `offset` for variables."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+    source: Annotated[Text, Field(alias="from")]
+    target: Annotated[Text, Field(alias="to")]
+    gain: Number = 1.0
+    offset: Number = 0.0
+
+
+class Master(Table):
+    """The method that steps the units; `laws` says how much of each port is connected.
+
+    The `kind` follows from the wires where it is "auto":
+    see :func:`orchestrator.scenario.plan.usual`.
+
+    The rest is for some methods only: `degree` of the polynomial that carries plain numbers
+    over a step, `acceleration` of iterations with its `relaxation`, when they count as
+    `settled` (relative) and how many `passes` they get.
+    """
+
+    kind: Text = "auto"
+    laws: Literal["held", "affine", "curvature"] = "curvature"
+    order: list[Text] = []
+    degree: Annotated[int, Field(strict=True, ge=1, le=3)] = 1
+    acceleration: Literal["none", "relaxed", "aitken", "anderson"] = "none"
+    relaxation: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.5
+    settled: Annotated[float, Field(strict=True, gt=0.0, lt=0.1)] = 1e-9
+    passes: Annotated[int, Field(strict=True, ge=2, le=1000)] = 30
+
+
+class Record(Table):
+    """Which outputs are kept, by pattern, every how many steps, and over what last stretch."""
+
+    variables: list[Text] = ["*"]
+    every: Annotated[int, Field(strict=True, ge=1)] = 1
+    last: Quantity | None = None
+
+
+class Metrics(Table):
+    """Over how many of the last cycles the figures of the table are taken."""
+
+    cycles: Annotated[int, Field(strict=True, ge=1)] = 5
+
+
+class Scenario(Table):
+    """A whole scene, `extends` resolved; `without` tells what has been left out on the way."""
+
+    title: Text = ""
+    without: list[Text] = []
+    time: Time = Time()
+    master: Master = Master()
+    components: dict[str, Component] = {}
+    wires: list[Wire] = []
+    hold: dict[str, Quantity | Flag] = {}
+    actions: list[Action] = []
+    faults: list[Fault] = []
+    record: Record = Record()
+    metrics: Metrics = Metrics()
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of a scene file, `extends` and `without` included.
+
+    A component's `fmu` or `data` may come from the scene that is extended.
+    """
+    schema = Scenario.model_json_schema(by_alias=True)
+    schema["title"] = "Resilin scene"
+    schema["properties"] = {
+        "extends": {"type": "string", "description": "Scene that this one changes."},
+        "without": {
+            "type": "array",
+            "items": {"type": "string"},
+            "description": "Components left out, with their wires, holds and records.",
+        },
+        **schema["properties"],
+    }
+    return schema

@@ -1,0 +1,5 @@
+"""System structures of the SSP standard, 1.0 and 2.0, read as scenes."""
+
+from .read import read_ssp
+
+__all__ = ["read_ssp"]

@@ -1,0 +1,264 @@
+"""A system structure description as data: elements, connections, parameter bindings.
+
+What a file says that this project cannot do is a problem with its place, never passed over:
+transformations other than linear ones, elements that are no FMUs, parameter sets in other formats.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any
+
+from ...errors import SceneError, printable
+from .names import FMU, MAPPING, PARAMETERS, local, tag
+
+Fetch = Callable[[str], Any]
+"""Root element of another file of the archive, by its address relative to the description."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """One parameter of a set: a number with its unit, a text, a choice, or true and false."""
+
+    name: str
+    value: float | str | bool
+    kind: str
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Connection:
+    """From one connector to another; an element is "" where the connector is the system's own.
+
+    `converts` says whether units are to be converted.
+    """
+
+    start: tuple[str, str]
+    end: tuple[str, str]
+    gain: float = 1.0
+    offset: float = 0.0
+    converts: bool = True
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU of the archive, with the parameters bound to it, later ones overriding."""
+
+    name: str
+    source: str
+    values: list[Value]
+
+
+@dataclass(frozen=True)
+class System:
+    """Components and systems with their connections; `inputs` and `outputs` are its own."""
+
+    name: str
+    components: list[Component]
+    systems: list[System]
+    connections: list[Connection]
+    values: list[Value]
+    inputs: list[str] = field(default_factory=list)
+    outputs: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Document:
+    """A whole description; `start` and `stop` are those of its default experiment [s]."""
+
+    title: str
+    system: System
+    start: float
+    stop: float | None
+    annotations: dict[str, str]
+
+
+class Reader:
+    """Reads one description; `where` opens each of the problems that are gathered."""
+
+    def __init__(self, where: str, fetch: Fetch) -> None:
+        self.where = where
+        self.problems: list[str] = []
+        self._fetch = fetch
+
+    def document(self, root: Any) -> Document:
+        """The description; `SceneError` with all that cannot be taken over."""
+        if root.tag != tag("ssd:SystemStructureDescription"):
+            raise SceneError(f"{self.where}: is no system structure description")
+        version = root.get("version") or ""
+        if version.partition(".")[0] not in {"1", "2"}:
+            raise SceneError(f"{self.where}: SSP version {printable(version)!r} is not known here")
+        system = root.find(tag("ssd:System"))
+        if system is None:
+            raise SceneError(f"{self.where}: describes no system")
+        found = self.system(system)
+        start, stop = self._experiment(root.find(tag("ssd:DefaultExperiment")))
+        said = root.find(tag("ssd:Annotations"))
+        annotations = {
+            str(each.get("type")): "".join(each.itertext()).strip()
+            for each in (said if said is not None else [])
+            if local(each) == "Annotation"
+        }
+        if self.problems:
+            raise SceneError(f"{self.where}: {problem}" for problem in self.problems)
+        return Document(root.get("name") or "", found, start, stop, annotations)
+
+    def system(self, element: Any) -> System:
+        """One system and all in it."""
+        components, systems = [], []
+        names: set[str] = set()
+        for each in self._children(element, "ssd:Elements"):
+            kind, name = local(each), each.get("name") or ""
+            if name in names:
+                self.problems.append(f"line {each.sourceline}: two elements are called {name!r}")
+            names.add(name)
+            if kind == "System":
+                systems.append(self.system(each))
+            elif kind == "Component":
+                components.append(self._component(each, name))
+            else:
+                self.problems.append(
+                    f"line {each.sourceline}: {kind} {printable(name)!r} is not supported; connect"
+                    " components directly"
+                )
+        connectors = list(self._children(element, "ssd:Connectors"))
+        return System(
+            element.get("name") or "",
+            *(components, systems, list(self._connections(element)), self._values(element)),
+            inputs=[str(c.get("name")) for c in connectors if c.get("kind") == "input"],
+            outputs=[str(c.get("name")) for c in connectors if c.get("kind") == "output"],
+        )
+
+    def _children(self, element: Any, name: str) -> Iterator[Any]:
+        """Elements under a child of this name; comments are left out."""
+        for parent in element.findall(tag(name)):
+            yield from (each for each in parent if local(each))
+
+    def _component(self, element: Any, name: str) -> Component:
+        place = f"line {element.sourceline}: component {printable(name)!r}"
+        kind, source = element.get("type") or FMU, element.get("source") or ""
+        if kind != FMU:
+            self.problems.append(f"{place} is of type {printable(kind)}, no FMU")
+        if element.get("implementation", "any") not in {"any", "CoSimulation"}:
+            self.problems.append(f"{place} is for {element.get('implementation')} only")
+        if not source:
+            self.problems.append(f"{place} names no source")
+        return Component(name, source, self._values(element))
+
+    def _connections(self, element: Any) -> Iterator[Connection]:
+        for each in self._children(element, "ssd:Connections"):
+            gain, offset = self._transformation(each)
+            yield Connection(
+                (each.get("startElement") or "", each.get("startConnector") or ""),
+                (each.get("endElement") or "", each.get("endConnector") or ""),
+                *(gain, offset, each.get("suppressUnitConversion") not in {"true", "1"}),
+            )
+
+    def _transformation(self, element: Any) -> tuple[float, float]:
+        for each in element:
+            kind = local(each)
+            if kind == "LinearTransformation":
+                return self._number(each, "factor", 1.0), self._number(each, "offset", 0.0)
+            if kind.endswith("Transformation"):
+                self.problems.append(
+                    f"line {each.sourceline}: {kind} is not supported, only linear ones are"
+                )
+        return 1.0, 0.0
+
+    def _number(self, element: Any, key: str, usual: float) -> float:
+        text = element.get(key)
+        try:
+            value = usual if text is None else float(text)
+        except ValueError:
+            value = float("nan")
+        if not isfinite(value):
+            shown = printable(str(text), most=40)
+            self.problems.append(f"line {element.sourceline}: {key} {shown!r} is no finite number")
+            return usual
+        return value
+
+    def _experiment(self, element: Any) -> tuple[float, float | None]:
+        if element is None:
+            return 0.0, None
+        start = self._number(element, "startTime", 0.0)
+        stop = None if element.get("stopTime") is None else self._number(element, "stopTime", 0.0)
+        return start, stop
+
+    def _values(self, element: Any) -> list[Value]:
+        """Parameters bound to an element, in their order, mapped and prefixed."""
+        found: list[Value] = []
+        for binding in self._children(element, "ssd:ParameterBindings"):
+            place = f"line {binding.sourceline}: parameter binding"
+            if binding.get("type", PARAMETERS) != PARAMETERS:
+                self.problems.append(f"{place}: type {printable(binding.get('type'))} is not known")
+                continue
+            if binding.get("sourceBase", "SSD") != "SSD":
+                self.problems.append(f"{place}: a source inside of a component is not supported")
+                continue
+            root = self._content(binding, binding.find(tag("ssd:ParameterValues")), "ssv")
+            values = [] if root is None else list(self.parameters(root))
+            mapping = binding.find(tag("ssd:ParameterMapping"))
+            if mapping is not None:
+                values = list(self._mapped(values, mapping, place))
+            prefix = binding.get("prefix") or ""
+            found += [Value(prefix + v.name, v.value, v.kind, v.unit) for v in values]
+        return found
+
+    def _content(self, element: Any, inline: Any, kind: str) -> Any:
+        """Root of a parameter set or mapping: inline, or in a file of the archive."""
+        source = element.get("source")
+        if source:
+            return self._fetch(source)
+        children = [each for each in (inline if inline is not None else []) if local(each)]
+        if not children:
+            self.problems.append(
+                f"line {element.sourceline}: has neither a source nor anything inside ({kind})"
+            )
+            return None
+        return children[0]
+
+    def _mapped(self, values: list[Value], element: Any, place: str) -> Iterator[Value]:
+        if element.get("type", MAPPING) != MAPPING or element.get("sourceBase", "SSD") != "SSD":
+            self.problems.append(f"{place}: this kind of parameter mapping is not supported")
+            return
+        root = self._content(element, element, "ssm")
+        for entry in [] if root is None else root.findall(tag("ssm:MappingEntry")):
+            gain, offset = self._transformation(entry)
+            for value in values:
+                if value.name != entry.get("source"):
+                    continue
+                new = value.value
+                if (gain, offset) != (1.0, 0.0):
+                    if isinstance(new, bool | str):
+                        self.problems.append(
+                            f"line {entry.sourceline}: {printable(value.name)} is no number to be"
+                            " transformed"
+                        )
+                        continue
+                    new = gain * new + offset
+                kept = entry.get("suppressUnitConversion") not in {"true", "1"}
+                yield Value(str(entry.get("target")), new, value.kind, value.unit if kept else "")
+
+    def parameters(self, root: Any) -> Iterator[Value]:
+        """The parameters of a set."""
+        if root.tag != tag("ssv:ParameterSet"):
+            self.problems.append(f"line {root.sourceline}: {printable(local(root))} is no set")
+            return
+        for each in self._children(root, "ssv:Parameters"):
+            typed = next((t for t in each if local(t) not in {"", "Annotations"}), None)
+            name = str(each.get("name"))
+            if typed is None:
+                continue
+            kind, text = local(typed), str(typed.get("value"))
+            value: float | str | bool = text
+            if kind == "Boolean":
+                value = text in {"true", "1"}
+            elif kind not in {"String", "Enumeration"}:
+                value = self._number(typed, "value", 0.0)
+                if len(text.split()) > 1:
+                    self.problems.append(
+                        f"line {typed.sourceline}: {printable(name)} is an array; set its elements"
+                    )
+            yield Value(name, value, kind, typed.get("unit") or "")

@@ -1,0 +1,300 @@
+"""An SSP archive as the tree of a scene, its FMUs unpacked once for all runs."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+import re
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+from ...errors import FmuError, SceneError, nearest, printable
+from ...fmi.archive import STRUCTURE, entries, extract, read_entry
+from ...fmi.description import Interface, Variable, read_interface
+from ...fmi.safe_xml import guarded
+from ...units import UnitError, factor
+from .document import Document, Reader, Value
+from .flatten import Flat, Joint, flattened
+from .flatten import Path as Names
+from .names import ANNOTATION, REALS, WHOLE
+
+KEYS = ("time", "master", "record", "metrics", "actions", "faults")
+"""Tables of a scene that our own annotation carries."""
+STOP = 1.0
+"""End of a run that names none [s], the usual one of FMI's tools."""
+
+
+def read_ssp(path: Path, chosen: str = "") -> dict[str, Any]:
+    """Tree of a scene as its TOML file would have it.
+
+    `chosen` names a variant (`NAME.ssd` at the top level) or a parameter set (`NAME.ssv` under
+    `resources`), which then overrides the parameters bound. Raises :class:`SceneError` with what of
+    the file cannot be taken over.
+    """
+    try:
+        return _tree(path, chosen)
+    except FmuError as error:
+        raise SceneError(str(error)) from None
+
+
+def _tree(path: Path, chosen: str) -> dict[str, Any]:
+    names = entries(path, STRUCTURE)
+    description, extra = _choice(path, names, chosen)
+    where = f"{path}: {description}"
+
+    def fetch(source: str) -> Any:
+        name = _inside(where, source, names)
+        return guarded(f"{path}: {name}", read_entry(path, name, STRUCTURE))
+
+    reader = Reader(where, fetch)
+    root = guarded(where, read_entry(path, description, STRUCTURE))
+    _validate(where, root)
+    document = reader.document(root)
+    flat = flattened(where, document.system)
+    if extra:
+        own = Reader(f"{path}: {extra}", fetch)
+        _override(flat, list(own.parameters(fetch(extra))), f"{path}: {extra}")
+        if own.problems:
+            raise SceneError(f"{own.where}: {problem}" for problem in own.problems)
+    folder = _unpacked(path)
+    files = {p: folder / _inside(where, c.source, names) for p, c in flat.components.items()}
+    return _scene(where, document, flat, files)
+
+
+def _choice(path: Path, names: list[str], chosen: str) -> tuple[str, str]:
+    """The description to read, and a parameter set that is to override it, if any."""
+    if not chosen:
+        return STRUCTURE, ""
+    if f"{chosen}.ssd" in names:
+        return f"{chosen}.ssd", ""
+    if f"resources/{chosen}.ssv" in names:
+        return STRUCTURE, f"resources/{chosen}.ssv"
+    known = [Path(n).stem for n in names if re.fullmatch(r"[^/]+\.ssd|resources/[^/]+\.ssv", n)]
+    raise SceneError(
+        f"{path}: no variant or parameter set {printable(chosen)!r}; {nearest(chosen, known)}"
+    )
+
+
+def _inside(where: str, source: str, names: list[str]) -> str:
+    """Entry of the archive that an address names; nothing outside of it is looked at."""
+    parts = urlsplit(source)
+    name = unquote(parts.path)
+    if parts.scheme or parts.netloc or name not in names:
+        hint = nearest(name, names)
+        raise SceneError(f"{where}: source {printable(source)!r} is not in the archive; {hint}")
+    return name
+
+
+@functools.cache
+def _schema() -> Any:
+    """The schema of SSP 1.0 that comes with fmpy."""
+    import fmpy.ssp
+    from lxml import etree
+
+    folder = Path(fmpy.ssp.__file__).parent / "schema"
+    return etree.XMLSchema(file=str(folder / "SystemStructureDescription.xsd"))
+
+
+def _validate(where: str, root: Any) -> None:
+    """Hold a description of version 1 against its schema; 2.0 has one that fmpy has not."""
+    if (root.get("version") or "").startswith("1.") and not _schema().validate(root):
+        fault = _schema().error_log[0]
+        raise SceneError(f"{where}: line {fault.line}: {printable(fault.message)}")
+
+
+def _override(flat: Flat, values: list[Value], where: str) -> None:
+    """Put the values of a set in the place of those bound."""
+    for value in values:
+        parts = value.name.split(".")
+        for k in range(len(parts) - 1, 0, -1):
+            target = tuple(parts[:k])
+            if target in flat.values:
+                name = ".".join(parts[k:])
+                flat.values[target][name] = Value(name, value.value, value.kind, value.unit)
+                break
+        else:
+            known = [".".join(path) for path in flat.components]
+            raise SceneError(
+                f"{where}: parameter {printable(value.name)!r} is of no component;"
+                f" {nearest(parts[0], known)}"
+            )
+
+
+def _unpacked(path: Path) -> Path:
+    """Folder with the archive's content, under the user's cache, made once for each content."""
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:24]
+    root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "resilin" / "ssp"
+    folder = root / digest
+    if folder.is_dir():
+        return folder
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        waiting = Path(tempfile.mkdtemp(dir=root, prefix=f".{digest}"))
+    except OSError as error:
+        raise SceneError(
+            f"{path}: cannot be unpacked into {root} ({error.strerror}); set XDG_CACHE_HOME to a"
+            " folder that is writable"
+        ) from None
+    try:
+        extract(path, waiting, STRUCTURE)
+        try:
+            waiting.rename(folder)
+        except OSError:
+            if not folder.is_dir():
+                raise
+    finally:
+        shutil.rmtree(waiting, ignore_errors=True)
+    return folder
+
+
+def _scene(where: str, document: Document, flat: Flat, files: dict[Names, Path]) -> dict[str, Any]:
+    known = {file: read_interface(file) for file in dict.fromkeys(files.values())}
+    interfaces = {path: known[file] for path, file in files.items()}
+    titles = _identifiers(where, flat)
+    problems: list[str] = []
+    components: dict[str, Any] = {}
+    for path, file in files.items():
+        start = _starts(".".join(path), interfaces[path], flat.values[path], problems)
+        components[titles[path]] = {"fmu": str(file), "start": start}
+    wires = [_wire(joint, titles, interfaces, problems) for joint in flat.joints]
+    if problems:
+        raise SceneError(f"{where}: {problem}" for problem in dict.fromkeys(problems))
+    fed = {wire["to"] for wire in wires}
+    hold = {}
+    for path, interface in interfaces.items():
+        hold.update(_held(titles[path], interface, fed, components[titles[path]]["start"]))
+    tree: dict[str, Any] = {
+        "title": document.title,
+        "components": components,
+        "wires": wires,
+        "hold": hold,
+        "time": {
+            "start": document.start,
+            "stop": document.stop if document.stop is not None else document.start + STOP,
+            "step": min((i.step for i in interfaces.values() if i.step), default="auto"),
+        },
+    }
+    outputs = [f"{titles[path]}.{name}" for path, name in flat.outputs]
+    if outputs:
+        tree["record"] = {"variables": outputs}
+    return tree | _annotated(where, document)
+
+
+def _annotated(where: str, document: Document) -> dict[str, Any]:
+    """What a scene of ours has said beside SSP."""
+    text = document.annotations.get(ANNOTATION)
+    if text is None:
+        return {}
+    try:
+        said = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise SceneError(f"{where}: the annotation {ANNOTATION} is no JSON ({error})") from None
+    if not isinstance(said, dict):
+        raise SceneError(f"{where}: the annotation {ANNOTATION} is no table")
+    return {key: said[key] for key in KEYS if key in said}
+
+
+def _identifiers(where: str, flat: Flat) -> dict[Names, str]:
+    """A component's name for each path: letters, digits and `_`, all different."""
+    made: dict[Names, str] = {}
+    for path in flat.components:
+        name = re.sub(r"\W", "_", "_".join(path), flags=re.ASCII)
+        name = name if name.isidentifier() else f"_{name}"
+        if name in made.values():
+            raise SceneError(f"{where}: two components would both be called {name}; rename one")
+        made[path] = name
+    return made
+
+
+def _starts(
+    owner: str, interface: Interface, values: dict[str, Value], problems: list[str]
+) -> dict[str, float | str | bool]:
+    """Start values as the FMU takes them: in its units, choices by name."""
+    settable = {v.name: v for v in interface.of("parameter", "input", "structuralParameter")}
+    starts: dict[str, float | str | bool] = {}
+    for name, value in values.items():
+        where = f"parameter {printable(f'{owner}.{name}')}"
+        variable = settable.get(name)
+        if variable is None:
+            problems.append(f"{where}: the FMU has none to be set; {nearest(name, settable)}")
+            continue
+        try:
+            starts[name] = _start(variable, value)
+        except (UnitError, ValueError) as error:
+            problems.append(f"{where}: {error}")
+    return starts
+
+
+def _start(variable: Variable, value: Value) -> float | str | bool:
+    given = value.value
+    if variable.kind == "Enumeration":
+        if isinstance(given, float) and int(given) in variable.codes:
+            return variable.choices[variable.codes.index(int(given))]
+        if given not in variable.choices:
+            raise ValueError(
+                f"{printable(str(given))!r} is no choice; {nearest(str(given), variable.choices)}"
+            )
+        return str(given)
+    if variable.kind == "Boolean":
+        return given if isinstance(given, bool) else given in {1.0, "true", "1"}
+    if not variable.numeric:
+        return str(given)
+    if isinstance(given, bool) or value.kind not in (*REALS, *WHOLE):
+        raise ValueError(f"is a {value.kind}, the FMU wants a {variable.kind}")
+    scale = factor(value.unit, variable.unit) if value.unit and variable.unit else 1.0
+    return float(given) * scale
+
+
+def _wire(
+    joint: Joint, titles: dict[Names, str], interfaces: dict[Names, Interface], problems: list[str]
+) -> dict[str, Any]:
+    ends = []
+    for (path, name), causality in ((joint.source, "output"), (joint.target, "input")):
+        if path not in titles:
+            problems.append(
+                f"a connection ends at {printable('.'.join(path))}, which is no element"
+            )
+            return {"from": "", "to": ""}
+        variable = interfaces[path].variables.get(name)
+        if variable is None or variable.causality != causality:
+            known = [v.name for v in interfaces[path].of(causality)]
+            problems.append(
+                f"{printable('.'.join([*path, name]))} is no {causality} of its FMU;"
+                f" {nearest(name, known)}"
+            )
+            return {"from": "", "to": ""}
+        ends.append((f"{titles[path]}.{name}", variable))
+    (source, output), (target, input_) = ends
+    gain = joint.gain
+    if not joint.converts and output.unit and input_.unit:
+        try:
+            gain /= factor(output.unit, input_.unit)
+        except UnitError:
+            problems.append(
+                f"{printable(source)} [{output.unit}] -> {printable(target)} [{input_.unit}]: units"
+                " of another kind cannot be connected, converted or not"
+            )
+    return {"from": source, "to": target, "gain": gain, "offset": joint.offset}
+
+
+def _held(
+    title: str, interface: Interface, fed: set[str], starts: dict[str, Any]
+) -> dict[str, float | str | bool]:
+    """Inputs that nothing feeds, at what they start with: as SSP has it."""
+    held: dict[str, float | str | bool] = {}
+    for variable in interface.of("input"):
+        first = interface.port(variable.port, "input")[0] if variable.port else variable
+        if not variable.numeric or f"{title}.{variable.name}" in fed:
+            continue
+        if f"{title}.{first.name}" in fed:
+            continue
+        value = starts.get(first.name, first.start)
+        if first.kind == "Enumeration" and isinstance(value, float):
+            value = first.choices[first.codes.index(int(value))]
+        held[f"{title}.{first.name}"] = bool(value) if first.kind == "Boolean" else value or 0.0
+    return held

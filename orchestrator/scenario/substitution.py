@@ -1,0 +1,103 @@
+"""What a scene asks of a recorded component that a recording has not, and does without.
+
+A scene that extends another may put a recording in the place of one part and leave all else
+as it is. What the part had and the recording has not is let go of, and told: wires into it,
+holds and actions on it, and records of outputs that are not among its columns. A wire from a
+port that was not recorded gives way to a hold of what it feeds; without one it is a problem, as
+is a port whose first member, which stands for it, was not recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from fnmatch import fnmatchcase
+
+from ..errors import nearest, printable
+from ..fmi.description import Interface
+from .schema import Action, Scenario, Wire
+
+
+def without_replaced(
+    scenario: Scenario,
+    interfaces: dict[str, Interface],
+    recorded: Collection[str],
+    problems: list[str],
+) -> tuple[Scenario, list[str]]:
+    """The scene with what its recordings can take, and what was let go of, in words."""
+    if not recorded:
+        return scenario, []
+    told: list[str] = []
+    wires = [
+        wire
+        for wire in scenario.wires
+        if not _replaced_wire(wire, scenario, interfaces, recorded, told, problems)
+    ]
+    hold = {}
+    for name, value in scenario.hold.items():
+        if name.partition(".")[0] in recorded:
+            told.append(f"hold {name}: a recording has no inputs")
+        else:
+            hold[name] = value
+    actions = [_kept(action, recorded, told) for action in scenario.actions]
+    variables = []
+    for pattern in scenario.record.variables:
+        name, _, rest = pattern.partition(".")
+        if name in recorded and not any(
+            rest == v.name or fnmatchcase(v.name, rest) for v in interfaces[name].of("output")
+        ):
+            told.append(f"record {pattern}: not in the recording")
+        else:
+            variables.append(pattern)
+    record = scenario.record.model_copy(update={"variables": variables})
+    left = {
+        "wires": wires,
+        "hold": hold,
+        "actions": [a for a in actions if a.set],
+        "record": record,
+    }
+    return scenario.model_copy(update=left), told
+
+
+def _replaced_wire(
+    wire: Wire,
+    scenario: Scenario,
+    interfaces: dict[str, Interface],
+    recorded: Collection[str],
+    told: list[str],
+    problems: list[str],
+) -> bool:
+    """Whether a wire has lost an end to a recording; a problem noted where it is needed."""
+    shown = f"wire {wire.source} -> {wire.target}"
+    if wire.target.partition(".")[0] in recorded:
+        told.append(f"{shown}: a recording has no inputs")
+        return True
+    name, _, rest = wire.source.partition(".")
+    if name not in recorded or rest in interfaces[name].variables:
+        return False
+    target, _, port = wire.target.partition(".")
+    inputs = interfaces[target].port(port, "input") if target in interfaces else []
+    first = inputs[0] if inputs else None
+    members = {v.member for v in interfaces[name].port(rest, "output")}
+    if first is None or first.member in members:
+        return False
+    if any(key.startswith(f"{wire.target}.") for key in scenario.hold):
+        told.append(f"{shown}: not in the recording; held instead")
+        return True
+    wanted = f"{rest}.{first.member}"
+    hint = nearest(wanted, interfaces[name].variables)
+    problems.append(
+        f"wires {printable(wire.source)} -> {printable(wire.target)}: the recording has no column"
+        f' {printable(wanted)}; {hint}; record it, or hold "{target}.{first.name}"'
+    )
+    return True
+
+
+def _kept(action: Action, recorded: Collection[str], told: list[str]) -> Action:
+    """An action without what it sets in recordings."""
+    kept = {}
+    for name, value in action.set.items():
+        if name.partition(".")[0] in recorded:
+            told.append(f"action on {name} at {action.at}: a recording has no parameters")
+        else:
+            kept[name] = value
+    return action.model_copy(update={"set": kept}) if len(kept) < len(action.set) else action

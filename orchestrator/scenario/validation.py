@@ -1,0 +1,71 @@
+"""Pydantic's problems in the words of a scenario file."""
+
+from __future__ import annotations
+
+import difflib
+import reprlib
+from typing import Any
+
+from pydantic import BaseModel
+
+from ..errors import printable
+from .schema import Action, Component, Master, Metrics, PerCycle, Record, Scenario, Time, Wire
+
+BRANCHES = {"PerCycle", "float", "str", "constrained-str", "bool"}
+"""Names that pydantic gives the branches of a union in the place of a problem."""
+
+
+def _worded(errors: list[Any]) -> list[str]:
+    """Pydantic's problems as `key: what, remedy`, one a key.
+
+    Where a value may be a number, a text or a table, pydantic complains once for each; what
+    counts is the branch that the value is of.
+    """
+    told: dict[str, str] = {}
+    for problem in errors:
+        place = [str(step) for step in problem["loc"]]
+        branch = next((k for k, step in enumerate(place) if step in BRANCHES), len(place))
+        parts = place[:branch] + [s for s in place[branch:] if s not in BRANCHES]
+        value = problem["input"]
+        inside = "PerCycle" in place and problem["type"] != "model_type"
+        key = ".".join(place[:branch])
+        if inside or problem["type"] == "finite_number" or key not in told:
+            told[key] = _told(".".join(parts), parts, problem, value, branch < len(place))
+    return list(told.values())
+
+
+def _told(key: str, parts: list[str], problem: Any, value: Any, union: bool) -> str:
+    """The words for one problem."""
+    given = printable(reprlib.repr(value), most=60)
+    if problem["type"] == "extra_forbidden":
+        return f"{key}: unknown key; {_suggestion(parts, parts[-1])}"
+    if problem["type"] == "component":
+        return f"{key}.{problem['msg']}"
+    if problem["type"] == "missing":
+        return f"{key}: is missing"
+    if problem["type"] == "finite_number":
+        return f"{key}: {given} is not a finite number"
+    if union and len(parts) and problem["type"] in {"float_type", "string_type", "model_type"}:
+        return f"{key}: expected a number, or a text with a unit, got {given}"
+    return f"{key}: {problem['msg']}, got {given}"
+
+
+def _suggestion(place: list[str], word: str) -> str:
+    """Nearest key of the table in which an unknown one stands."""
+    tables: dict[str, type[BaseModel]] = {
+        "time": Time,
+        "master": Master,
+        "record": Record,
+        "metrics": Metrics,
+        "components": Component,
+        "wires": Wire,
+        "actions": Action,
+    }
+    table = Scenario if len(place) == 1 else tables.get(place[0], Scenario)
+    if len(place) == 3 and place[:2] == ["time", "step"]:
+        table = PerCycle
+    keys = [field.alias or name for name, field in table.model_fields.items()]
+    if table is Scenario:
+        keys += ["extends", "without"]
+    close = difflib.get_close_matches(word, keys, n=1)
+    return f"did you mean {close[0]!r}?" if close else f"there is {', '.join(sorted(keys))}"

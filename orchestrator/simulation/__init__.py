@@ -1,0 +1,1 @@
+"""One run: instances loaded, coupled, stepped and watched."""

@@ -1,0 +1,98 @@
+"""A unit in its place: how its inputs are gathered, and what it tells."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fmi.instance import Unit
+from ..scenario.connections import Connection
+
+Values = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+class Member:
+    """A unit with its stretch of the system's values and the way its inputs come about.
+
+    `buffer` holds all inputs that the unit is given: first the wired ones (`inputs`, from the
+    places `sources` of the system's values), then the held ones (`held`: name to place).
+    `arriving` are the connections behind the wired ones. `plain` are those wired inputs that
+    arrive as bare real numbers, without a law. `direct` says that some output in use follows
+    an input without a step between.
+    """
+
+    def __init__(
+        self, unit: Unit, values: Values, stretch: slice, arriving: list[Connection],
+        sources: Indices, held: dict[str, float],
+    ) -> None:  # fmt: skip
+        self.unit = unit
+        self.sources = sources
+        self.arriving = arriving
+        self.stretch = stretch
+        count = len(arriving)
+        self.buffer = np.zeros(count + len(held))
+        self.inputs = self.buffer[:count]
+        self.held = {name: count + k for k, name in enumerate(held)}
+        self.buffer[count:] = list(held.values())
+        self.direct = False
+        self.plain = _plain(arriving)
+        self._values = values
+        self._moves = _moves(self.inputs, values, sources)
+        self._gain: Values | None = None
+        self._offset: Values | None = None
+        if any(c.gain != 1.0 or c.offset != 0.0 for c in arriving):
+            self._gain = np.array([c.gain for c in arriving])
+            self._offset = np.array([c.offset for c in arriving])
+
+    def gather(self) -> None:
+        """Bring the inputs up to date with what the others put out, and pass them on."""
+        for target, source in self._moves:
+            target[:] = source
+        self._pass_on()
+
+    def gather_from(self, arriving: Values) -> None:
+        """Pass on these wired values, as their sources put them out."""
+        self.inputs[:] = arriving
+        self._pass_on()
+
+    def _pass_on(self) -> None:
+        if self._gain is not None and self._offset is not None:
+            np.multiply(self.inputs, self._gain, out=self.inputs)
+            np.add(self.inputs, self._offset, out=self.inputs)
+        self.unit.send()
+
+    def advance(self, time: float, size: float) -> None:
+        """Gather, step, and read what units later in the order need."""
+        self.gather()
+        self.unit.step(time, size)
+        self.unit.receive(0)
+
+    def follow(self) -> None:
+        """Gather and read all outputs, without a step: outputs that follow inputs directly."""
+        self.gather()
+        self.unit.receive()
+
+
+def _plain(arriving: list[Connection]) -> Indices:
+    """Places of the wired inputs that come as bare real numbers.
+
+    An input belongs to a law where any member of its port that is wired with it has an order
+    above zero.
+    """
+    laws = {c.input.port for c in arriving if c.input.port and c.input.order > 0}
+    real = [c.input.real and c.output.real for c in arriving]
+    found = [k for k, c in enumerate(arriving) if real[k] and c.input.port not in laws]
+    return np.array(found, dtype=np.intp)
+
+
+def _moves(inputs: Values, values: Values, sources: Indices) -> list[tuple[Values, Values]]:
+    """Slice pairs, one for each run of neighbouring outputs."""
+    moves = []
+    start = 0
+    for k in range(1, len(sources) + 1):
+        if k == len(sources) or sources[k] != sources[k - 1] + 1:
+            low = sources[start]
+            moves.append((inputs[start:k], values[low : low + k - start]))
+            start = k
+    return moves

@@ -1,0 +1,136 @@
+"""A unit with faults injected: it fails, or tells its outputs wrongly."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..errors import UnitFailure
+from ..fmi.description import Variable
+from ..fmi.instance.base import Unit, Values
+from ..scenario.faults import Fault
+
+GRAIN = 1e-12
+"""Seconds within which two times are one."""
+
+
+class Impaired(Unit):
+    """Another unit, with what its faults make of it; everything else is passed on."""
+
+    def __init__(self, unit: Unit, faults: Sequence[Fault]) -> None:
+        super().__init__(unit.name, unit.interface)
+        self._unit = unit
+        self._drops = [fault for fault in faults if fault.kind == "drop"]
+        self._told = [fault for fault in faults if fault.kind != "drop"]
+        self._places: list[list[int]] = []
+        self._time = 0.0
+
+    @property
+    def messages(self) -> list[str]:
+        """What the unit behind has said."""
+        return self._unit.messages
+
+    def prepare(
+        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+    ) -> None:
+        """Pass on, and note where time starts."""
+        self._time = time
+        self._unit.prepare(start, time, stop, tolerance)
+
+    def connect(
+        self,
+        inputs: list[Variable],
+        input_values: Values,
+        outputs: list[list[Variable]],
+        output_values: Values,
+    ) -> None:
+        """Pass on, with a buffer of its own in which the unit tells the truth."""
+        self._output = output_values
+        self._true = np.zeros_like(output_values)
+        names = [variable.name for group in outputs for variable in group]
+        self._ends = np.cumsum([len(group) for group in outputs]).tolist()
+        self._places = [
+            [k for k, name in enumerate(names) if name in fault.variables] for fault in self._told
+        ]
+        self._frozen = np.zeros_like(output_values)
+        self._unit.connect(inputs, input_values, outputs, self._true)
+
+    def read_whole_at_once(self) -> None:
+        """Pass on."""
+        self._unit.read_whole_at_once()
+        self._ends = [self._ends[-1]] * len(self._ends)
+
+    def enter_initialisation(self) -> None:
+        """Pass on."""
+        self._unit.enter_initialisation()
+
+    def exit_initialisation(self) -> None:
+        """Pass on."""
+        self._unit.exit_initialisation()
+
+    def send(self) -> None:
+        """Pass on."""
+        self._unit.send()
+
+    def step(self, time: float, size: float) -> None:
+        """Step the unit, unless it has dropped out by the end of this step."""
+        for fault in self._drops:
+            if fault.begin < time + size - GRAIN and time < fault.end - GRAIN:
+                raise UnitFailure(
+                    f"{self.name}: step to t = {time + size:.9g} s: has dropped out (a fault of"
+                    f" the scene, from t = {fault.begin:.9g} s)"
+                )
+        self._unit.step(time, size)
+        self._time = time + size
+        self.steps, self.rollbacks = self._unit.steps, self._unit.rollbacks
+
+    def receive(self, group: int = -1) -> None:
+        """Read the outputs, then tell them as the faults of this time have it."""
+        self._unit.receive(group)
+        end = self._ends[group]
+        self._output[:end] = self._true[:end]
+        for fault, places in zip(self._told, self._places, strict=True):
+            now = fault.begin - GRAIN <= self._time < fault.end - GRAIN
+            for k in (k for k in places if k < end):
+                if not now:
+                    self._frozen[k] = self._true[k]
+                elif fault.kind == "freeze":
+                    self._output[k] = self._frozen[k]
+                elif fault.kind == "nan":
+                    self._output[k] = np.nan
+                elif fault.kind == "bias":
+                    self._output[k] += fault.size
+                else:
+                    self._output[k] += fault.size * _deviate(fault.seed, self._time)
+
+    def set(self, start: dict[str, float | str]) -> None:
+        """Pass on."""
+        self._unit.set(start)
+
+    def save(self) -> Any:
+        """State of the unit, the time, and what is frozen."""
+        return self._unit.save(), self._time, self._frozen.copy()
+
+    def restore(self, state: Any) -> None:
+        """Go back to a saved state."""
+        inner, self._time, frozen = state
+        self._frozen[:] = frozen
+        self._unit.restore(inner)
+        self.rollbacks = self._unit.rollbacks
+
+    def forget(self, state: Any) -> None:
+        """Free a saved state."""
+        self._unit.forget(state[0])
+
+    def close(self) -> None:
+        """End the unit."""
+        self._unit.close()
+
+
+def _deviate(seed: int, time: float) -> float:
+    """Normal deviate that a seed and a time determine."""
+    grain = struct.unpack("<Q", struct.pack("<d", round(time, 12)))[0]
+    return float(np.random.default_rng([seed, grain]).standard_normal())

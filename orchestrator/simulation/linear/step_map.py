@@ -1,0 +1,337 @@
+"""The map from one communication point to the next, linear about rest, and how fast it grows.
+
+Every unit is identified alone, with its inputs held over a step; the master then composes the
+units as it steps them. The spectral radius of the whole says whether the coupling is stable at
+this step, before anything is run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...scenario.plan import Plan
+from ..coupled_instance import Member
+from ..masters import master
+from ..stepper import Walk
+from ..system import Moment, System
+from .state_space import NUDGE, plain, realise, rest
+
+if TYPE_CHECKING:
+    import control
+
+Values = NDArray[np.float64]
+COUNT = 24
+"""Steps of a unit's response: a unit alone has few states."""
+NOISE = 1e-7
+DOUBTFUL = 1e-3
+"""Disagreement of two nudges, relative, above which an output's response is rounding."""
+UNKNOWN = 1e-2
+"""Size taken for a value that has been nothing but zero."""
+REFRESHED = 3
+"""Steps of the size in question taken at rest, for units that remember the last one."""
+MAPPED = ("gauss-seidel", "jacobi")
+SLACK = 1e-6
+"""How far above one a spectral radius may lie by rounding: undamped motion is at one."""
+
+
+@dataclass(frozen=True)
+class UnitModel:
+    """One unit: x+ = A x + B u, y = C x + D u, and its wiring u = W y of all units' outputs.
+
+    Right after a step, before the clocks of its inputs have moved on, it is y = C x + E u.
+    """
+
+    name: str
+    inputs: list[str]
+    outputs: list[str]
+    a: Values
+    b: Values
+    c: Values
+    d: Values
+    e: Values
+    wires: Values
+    rows: NDArray[np.intp]
+
+    def state_space(self, step: float) -> control.StateSpace:
+        """The unit for python-control, sampled at a step [s], signals as `unit.variable`."""
+        import control
+
+        return control.ss(
+            self.a, self.b, self.c, self.d, step, name=self.name,
+            inputs=[plain(f"{self.name}.{name}") for name in self.inputs],
+            outputs=[plain(name) for name in self.outputs],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class StepMap:
+    """Units of a scene as linear systems at one communication step [s]."""
+
+    plan: Plan
+    step: float
+    models: list[UnitModel]
+    outputs: list[str]
+    followers: list[str]
+
+    def matrix(self, kind: str, cut: str | None = None) -> Values:
+        """The map of a master on (states of all units, outputs of all units).
+
+        With `cut`, a `source -> target` pair of units, that connection is left out.
+        """
+        if kind not in MAPPED:
+            raise InputError(f"--master {kind}: its step has no map; there is {', '.join(MAPPED)}")
+        sizes = [len(model.a) for model in self.models]
+        starts = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+        count = int(starts[-1]) + len(self.outputs)
+        whole = np.eye(count)
+        states = [whole[starts[i] : starts[i + 1]] for i in range(len(self.models))]
+        values = whole[starts[-1] :].copy()
+        wires = [self._wires(model, cut) for model in self.models]
+        before = values.copy()
+        for i, model in enumerate(self.models):
+            u = wires[i] @ (before if kind == "jacobi" else values)
+            states[i] = model.a @ states[i] + model.b @ u
+            values[model.rows] = model.c @ states[i] + model.e @ u
+        for i, model in enumerate(self.models):
+            if model.name in self.followers:
+                values[model.rows] = model.c @ states[i] + model.d @ (wires[i] @ values)
+        return np.vstack([*states, values])
+
+    def _wires(self, model: UnitModel, cut: str | None) -> Values:
+        if cut is None or not cut.endswith(f" -> {model.name}"):
+            return model.wires
+        source = cut.removesuffix(f" -> {model.name}")
+        kept = np.array([not name.startswith(f"{source}.") for name in self.outputs])
+        left: Values = model.wires * kept[None, :]
+        return left
+
+    def interconnected(self) -> control.StateSpace:
+        """The units joined by the scene's wires in python-control; no input is left open.
+
+        Every unit takes what the others put out at the same communication point, as under
+        Jacobi: its poles are those of :meth:`matrix` with "jacobi".
+        """
+        import control
+
+        units = [model.state_space(self.step) for model in self.models if model.outputs]
+        wires = [
+            [plain(f"{m.name}.{name}"), *((plain(self.outputs[k]), float(row[k])) for k in used)]
+            for m in self.models
+            if m.outputs
+            for name, row in zip(m.inputs, m.wires, strict=True)
+            for used in [np.flatnonzero(row)]
+        ]
+        summed = [
+            control.summing_junction(
+                [f"{source}_to_{target}" for source, _ in sources], target, name=f"into_{target}"
+            )
+            for target, *sources in wires
+        ]
+        gains = [
+            control.ss([], [], [], [[gain]], self.step, inputs=[source],
+                       outputs=[f"{source}_to_{target}"], name=f"{source}_to_{target}")
+            for target, *sources in wires
+            for source, gain in sources
+        ]  # fmt: skip
+        return control.interconnect(
+            [*units, *gains, *summed], inputs=[], outputs=[plain(name) for name in self.outputs]
+        )
+
+    def radius(self, kind: str, cut: str | None = None) -> float:
+        """Largest magnitude of the map's eigenvalues: above one the coupling is unstable."""
+        return float(np.abs(np.linalg.eigvals(self.matrix(kind, cut))).max(initial=0.0))
+
+    def culprit(self, kind: str) -> str:
+        """The connection without which the map is most stable."""
+        plan = self.plan
+        pairs = list(dict.fromkeys(f"{c.source} -> {c.target}" for c in plan.connections))
+        return min(pairs, key=lambda pair: self.radius(kind, pair))
+
+
+def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> StepMap:
+    """Linear units of a scene about its rest, at its own communication step or another.
+
+    Raises `InputError` where a unit cannot roll back or the scene does not come to rest by its
+    own master and step.
+    """
+    unable = [name for name, known in plan.interfaces.items() if not known.rollback]
+    if unable:
+        raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
+    size = step or plan.grid.step
+    with System(plan) as system:
+        method = master(plan.scenario.master.kind)(system, plan.scenario.master)
+        walk = Walk(system, method)
+        time, largest = rest(system, walk)
+        for _ in range(REFRESHED):
+            walk.to(time, time + size, size)
+            time += size
+        moment = system.save()
+        shown = [k for k in system.wired.tolist() if system.variables[k].unit != "s"]
+        models = [
+            _unit(system, moment, index, time, size, shown, largest, count)
+            for index in range(len(system.members))
+        ]
+        system.forget(moment)
+        names = [system.names[k] for k in shown]
+        followers = [member.unit.name for member in system.followers]
+    return StepMap(plan, size, models, names, followers)
+
+
+def quiet(plan: Plan) -> Plan:
+    """The same scene with its drive off: `amplitude` zero wherever a unit has a `frequency`."""
+    starts = {name: dict(values) for name, values in plan.starts.items()}
+    for name, known in plan.interfaces.items():
+        parameters = {v.name for v in known.of("parameter")}
+        if {"amplitude", "frequency"} <= parameters:
+            starts[name]["amplitude"] = 0.0
+    return replace(plan, starts=starts, actions=[], faults=[])
+
+
+def _unit(
+    system: System, moment: Moment, index: int, time: float, size: float,
+    shown: list[int], largest: Values, count: int,
+) -> UnitModel:  # fmt: skip
+    """Identify one unit alone: its other inputs stay as they are at rest.
+
+    Members of laws that were zero all the way to rest carry nothing and are left alone.
+    """
+    member = system.members[index]
+    system.restore(moment)
+    member.gather()
+    still = member.buffer.copy()
+    own = [k for k in shown if member.stretch.start <= k < member.stretch.stop]
+    wired = range(len(member.inputs))
+    clocks = [k for k in wired if system.variables[member.sources[k]].unit == "s"]
+    ahead = np.array([member.sources[k] < member.stretch.start for k in clocks], dtype=float)
+    free = [k for k in wired if k not in clocks]
+    usual = np.maximum(np.abs(still[free]), largest[member.sources[free]])
+    values = np.array([system.variables[member.sources[k]].order == 0 for k in free], dtype=bool)
+    usual = np.where((usual == 0.0) & values, UNKNOWN, usual)
+    probe = _Probe(system, moment, member, still, clocks, ahead, free, own, usual)
+    sequence, direct, after = probe.responses(time, size, count, NUDGE)
+    again, _, _ = probe.responses(time, size, count, 0.5 * NUDGE)
+    sequence, smallest = _sound(sequence, again)
+    by = np.where(usual > 0.0, usual, 1.0)
+    a, b, c = realise(sequence, smallest=smallest) if own and free else _none(len(own), len(free))
+    return UnitModel(
+        *(
+            member.unit.name,
+            [member.arriving[k].input.name for k in free],
+            [system.names[k] for k in own],
+            a,
+            b / by,
+            c,
+            direct / by,
+            after / by,
+            _wiring(system, member, free, shown),
+        ),
+        np.array([shown.index(k) for k in own], dtype=np.intp),
+    )
+
+
+@dataclass(frozen=True)
+class _Probe:
+    """One unit at rest whose free inputs are nudged one by one, held over a step, up and down."""
+
+    system: System
+    moment: Moment
+    member: Member
+    still: Values
+    clocks: list[int]
+    ahead: Values
+    free: list[int]
+    own: list[int]
+    usual: Values
+
+    def responses(
+        self, time: float, size: float, count: int, nudge: float
+    ) -> tuple[Values, Values, Values]:
+        """Markov parameters (count, outputs, inputs), D before a step, and E right after it.
+
+        By the usual size of each input; those that carry nothing have none.
+        """
+        member, values = self.member, self.system.values
+        shape = (len(self.own), len(self.free))
+        sequence = np.zeros((count, *shape))
+        direct, after = np.zeros(shape), np.zeros(shape)
+        for column, k in enumerate(self.free):
+            if self.usual[column] == 0.0:
+                continue
+            for sign in (1.0, -1.0):
+                self.system.restore(self.moment)
+                for n in range(count):
+                    member.buffer[:] = self.still
+                    member.buffer[k] += sign * nudge * self.usual[column] if n == 0 else 0.0
+                    if n == 0:
+                        member.unit.send()
+                        member.unit.receive()
+                        direct[:, column] += sign * values[self.own]
+                    member.buffer[self.clocks] += (n + self.ahead) * size
+                    member.unit.send()
+                    member.unit.step(time + n * size, size)
+                    if n == 0:
+                        member.unit.receive()
+                        after[:, column] += sign * values[self.own]
+                    member.buffer[:] = self.still
+                    member.buffer[self.clocks] += (n + 1) * size
+                    member.unit.send()
+                    member.unit.receive()
+                    sequence[n, :, column] += sign * values[self.own]
+        scale = 2.0 * nudge
+        return sequence / scale, direct / scale, after / scale - sequence[0] / scale
+
+
+def _sound(sequence: Values, again: Values) -> tuple[Values, float]:
+    """What two sizes of nudge agree on, and the share that is noise.
+
+    Outputs on which they disagree, differences of all but equal numbers, are taken for none.
+    """
+    size = np.abs(sequence).max(axis=(0, 2))
+    size = np.where(size > 0.0, size, 1.0)
+    noise = np.abs(sequence - again).max(axis=(0, 2)) / size
+    sound = noise < DOUBTFUL
+    kept = np.where(sound[None, :, None], sequence, 0.0)
+    return kept, max(NOISE, 10.0 * float(noise[sound].max(initial=0.0)))
+
+
+def _none(rows: int, columns: int) -> tuple[Values, Values, Values]:
+    return np.zeros((0, 0)), np.zeros((0, columns)), np.zeros((rows, 0))
+
+
+def _wiring(system: System, member: Member, free: list[int], shown: list[int]) -> Values:
+    """Which outputs, times which gain, each free input of a unit takes."""
+    wires = np.zeros((len(free), len(shown)))
+    gains = {
+        (f"{c.source}.{c.output.name}"): c.gain
+        for c in system.plan.connections
+        if c.target == member.unit.name
+    }
+    for row, k in enumerate(free):
+        source = int(member.sources[k])
+        wires[row, shown.index(source)] = gains[system.names[source]]
+    return wires
+
+
+def limit(plan: Plan, kind: str, low: float, high: float, *, within: float = 1e-3) -> float:
+    """Communication step [s] at which a master's map of a scene turns unstable, by bisection.
+
+    `low` has to be stable and `high` unstable; `InputError` says which is not.
+    """
+    ends = [step_map(plan, step).radius(kind) for step in (low, high)]
+    if ends[0] > 1.0 + SLACK or ends[1] <= 1.0 + SLACK:
+        raise InputError(
+            f"no limit of {kind} between {low:g} and {high:g} s: spectral radius {ends[0]:.4f}"
+            f" and {ends[1]:.4f}"
+        )
+    while high - low > within * low:
+        middle = 0.5 * (low + high)
+        if step_map(plan, middle).radius(kind) > 1.0 + SLACK:
+            high = middle
+        else:
+            low = middle
+    return 0.5 * (low + high)

@@ -1,0 +1,64 @@
+"""A scene by name or path as a checked plan that its master can step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ..errors import SceneError
+from ..scenario.parse import load_scenario
+from ..scenario.plan import LIBRARY, Plan, check
+from ..scenario.schema import AUTO, Scenario
+from ..scenario.schema import Master as Settings
+from .masters import master
+
+
+def load(
+    scene: str | Path,
+    changes: dict[str, str] | None = None,
+    library: Path = LIBRARY,
+    **options: Any,
+) -> Plan:
+    """Checked plan of a scene, by name or path, with `component.parameter` values changed.
+
+    `options` override single keys of a scene's tables, as `time={"tolerance": 1e-3}`.
+    Raises `SceneError` with every problem.
+    """
+    return planned(*load_scenario(scene, changes, **options), library)
+
+
+def planned(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
+    """Checked plan of a scenario that stands in a file at `path`, its master able to step it."""
+    plan = check(scenario, path, library)
+    if scenario.time.step == AUTO and not _unsuited(plan):
+        from .auto_step import advised
+
+        advice = advised(plan)
+        time = scenario.time.model_copy(update={"step": advice.step})
+        plan = check(scenario.model_copy(update={"time": time}), path, library)
+        plan = replace(plan, advice=str(advice))
+    if problems := _unsuited(plan):
+        raise SceneError(f"{path}: {problem}" for problem in problems)
+    return plan
+
+
+def _unsuited(plan: Plan) -> list[str]:
+    """What the chosen master cannot do with these units, or does not know."""
+    settings = plan.scenario.master
+    try:
+        method = master(settings.kind)
+    except SceneError as error:
+        return error.problems
+    problems = []
+    unable = [name for name, interface in plan.interfaces.items() if not interface.rollback]
+    if method.needs_rollback and unable:
+        problems.append(
+            f"master.kind: {settings.kind} needs rollback, which {', '.join(unable)} cannot do;"
+            " gauss-seidel and extrapolated work without it"
+        )
+    every = {key for key in Settings.model_fields if key not in {"kind", "laws", "order"}}
+    for key in sorted(settings.model_fields_set & every - set(method.options)):
+        known = ", ".join(method.options) or "no further key"
+        problems.append(f"master.{key}: means nothing to {settings.kind}, which takes {known}")
+    return problems

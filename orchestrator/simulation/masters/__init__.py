@@ -1,0 +1,38 @@
+"""Masters: how units are stepped together, one method each."""
+
+from __future__ import annotations
+
+from ...errors import SceneError, nearest
+from .base import Master
+from .extrapolated import Extrapolated
+from .gauss_seidel import GaussSeidel
+from .interface_newton import InterfaceNewton
+from .iterative import Iterative
+from .jacobi import Jacobi
+
+MASTERS: dict[str, type[Master]] = {
+    "extrapolated": Extrapolated,
+    "gauss-seidel": GaussSeidel,
+    "interface-newton": InterfaceNewton,
+    "iterative": Iterative,
+    "jacobi": Jacobi,
+}
+
+
+def master(kind: str) -> type[Master]:
+    """Master by the name a scene gives it."""
+    if kind not in MASTERS:
+        raise SceneError(f"master.kind: no master {kind!r}; {nearest(kind, MASTERS)}")
+    return MASTERS[kind]
+
+
+__all__ = [
+    "MASTERS",
+    "Extrapolated",
+    "GaussSeidel",
+    "InterfaceNewton",
+    "Iterative",
+    "Jacobi",
+    "Master",
+    "master",
+]

@@ -1,0 +1,149 @@
+"""Interface-Newton master: the coupling's equations solved, with a Jacobian by differences."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from ...errors import Divergence
+from ...scenario.schema import Master as Settings
+from ..coupled_instance import Indices, Values
+from ..system import Moment, System
+from .base import Master
+
+NUDGE = 1e-6
+SLOW = 0.2
+"""A residual that falls by less than this factor asks for a fresh Jacobian."""
+
+
+class InterfaceNewton(Master):
+    """Solve z = G(z) for the wired values z at the end of a step, by quasi-Newton steps.
+
+    G steps all units from saved states with inputs made from z, plain real numbers as the
+    mean of both ends of the step (the trapezoid rule, second order). Its Jacobian comes from
+    nudging one input of one unit at a time; it is kept from step to step, improved by
+    Broyden's updates, and made anew where the residual falls too slowly or the step changes.
+    Stays bounded where passes alone blow up (stiffness times step squared over mass far above
+    one). Values that carry laws are taken as they come out. Needs rollback in every unit.
+    """
+
+    needs_rollback: ClassVar = True
+    options: ClassVar = ("settled", "passes")
+
+    def __init__(self, system: System, settings: Settings) -> None:
+        super().__init__(system, settings)
+        chosen = {int(k) for member in system.members for k in member.sources[member.plain]}
+        self._unknown: Indices = np.array(sorted(chosen), dtype=np.intp)
+        self._scale = np.abs(system.values[system.wired])
+        self._inverse: Values | None = None
+        self._size = 0.0
+
+    def interrupt(self) -> None:
+        self._inverse = None
+
+    def advance(self, time: float, size: float) -> None:
+        system, unknown = self.system, self._unknown
+        begin = system.values.copy()
+        moment = system.save()
+        if abs(size - self._size) > 1e-9 * size:
+            self._inverse, self._size = None, size
+        try:
+            answer = self._pass(moment, begin, begin, time, size)
+            trials = 0
+            old = np.inf
+            guess = begin
+            while trials < self.settings.passes:
+                residual = (answer - guess)[unknown]
+                left = self._left(answer - guess)
+                if left <= self.settings.settled:
+                    system.values[:] = answer
+                    system.follow()
+                    return
+                if not np.isfinite(left):
+                    break
+                if self._inverse is None or left > SLOW * old:
+                    self._inverse = self._jacobian(moment, begin, guess, answer, time, size)
+                    old = np.inf
+                else:
+                    old = left
+                step = self._inverse @ residual
+                following = answer.copy()
+                following[unknown] = guess[unknown] + step
+                answer = self._pass(moment, begin, following, time, size)
+                self._improve(step, (answer - following)[unknown] - residual)
+                guess = following
+                trials += 1
+        finally:
+            system.forget(moment)
+        wired = system.wired
+        change = np.abs(answer - guess)[wired]
+        worst = int(np.argmax(np.nan_to_num(change / (self._scale + 1e-300), nan=np.inf)))
+        raise Divergence(
+            f"{system.names[wired[worst]]} does not settle at t = {time:.9g} s: its residual is"
+            f" {change[worst]:.2g} after {trials} Newton steps; lower the step"
+        )
+
+    def _left(self, change: Values) -> float:
+        """Largest change of a wired value, by the largest that it has had."""
+        wired = self.system.wired
+        np.maximum(self._scale, np.abs(self.system.values[wired]), out=self._scale)
+        return float((np.abs(change[wired]) / (self._scale + 1e-300)).max(initial=0.0))
+
+    def _pass(
+        self, moment: Moment, begin: Values, guess: Values, time: float, size: float
+    ) -> Values:
+        """G(guess): all units stepped from the start of the step, side by side."""
+        system = self.system
+        system.restore(moment)
+        for index in range(len(system.members)):
+            self._step(index, begin, guess, time, size)
+        return system.values.copy()
+
+    def _step(self, index: int, begin: Values, guess: Values, time: float, size: float) -> None:
+        """One unit, its inputs made from a guess of the end of the step."""
+        member = self.system.members[index]
+        arriving = guess[member.sources]
+        end = arriving.copy()
+        places = member.sources[member.plain]
+        arriving[member.plain] = 0.5 * (begin[places] + arriving[member.plain])
+        member.gather_from(arriving)
+        member.unit.step(time, size)
+        if member.direct:
+            member.gather_from(end)
+        member.unit.receive()
+
+    def _jacobian(
+        self, moment: Moment, begin: Values, guess: Values, answer: Values, time: float, size: float
+    ) -> Values:
+        """Inverse of 1 - dG/dz, column by column, stepping only the units that see a value."""
+        system, unknown = self.system, self._unknown
+        slope = np.zeros((len(unknown), len(unknown)))
+        scale = dict(zip(system.wired.tolist(), self._scale.tolist(), strict=True))
+        for column, place in enumerate(unknown.tolist()):
+            nudge = NUDGE * max(scale[place], abs(float(guess[place])), 1e-6)
+            moved = guess.copy()
+            moved[place] += nudge
+            system.values[:] = answer
+            for index, member in enumerate(system.members):
+                if place in member.sources:
+                    member.unit.restore(moment.states[index])
+                    self._step(index, begin, moved, time, size)
+            slope[:, column] = (system.values - answer)[unknown] / nudge
+        try:
+            inverse: Values = np.asarray(np.linalg.inv(np.eye(len(unknown)) - slope))
+        except np.linalg.LinAlgError:
+            raise Divergence(
+                f"the coupling at t = {time:.9g} s has no unique solution: change the step"
+            ) from None
+        return inverse
+
+    def _improve(self, step: Values, change: Values) -> None:
+        """Broyden's update of the inverse: -change is what step should have come from."""
+        if self._inverse is None:
+            return
+        gone = -(self._inverse @ change)
+        weight = float(step @ gone)
+        if abs(weight) > 1e-12 * float(step @ step):
+            share = np.outer(step - gone, step @ self._inverse) / weight
+            self._inverse = np.asarray(self._inverse + share, dtype=np.float64)

@@ -1,0 +1,184 @@
+"""What watches a run and never changes it: the recorder, the guard, the progress bar."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Divergence
+from ..results.segments import Segments
+from .system import System
+
+Values = NDArray[np.float64]
+
+
+class Observer(Protocol):
+    """Called with the system at each communication point, after the values hold there."""
+
+    def sample(self, system: System, step: int, time: float) -> None: ...
+
+
+class Recorder:
+    """Rows of the recorded values, each stamped with the time at which it holds.
+
+    With somewhere to put them, rows leave memory in closed segments: when `SEGMENT` bytes
+    are full, and at the latest every `PATIENCE` seconds.
+    """
+
+    SEGMENT = 16 << 20
+    PATIENCE = 60.0
+
+    def __init__(self, system: System, every: int, segments: Segments | None = None) -> None:
+        place = {name: index for index, name in enumerate(system.names)}
+        self.names = [f"{name}.{variable.name}" for name, variable in system.plan.records]
+        self._columns = np.array([place[name] for name in self.names], dtype=np.intp)
+        self._every = every
+        self._from = system.plan.keep_from
+        self._segments = segments
+        self._full = max(256, self.SEGMENT // (8 * (len(self.names) + 1)))
+        self._written = perf_counter()
+        expected = system.plan.grid.count // every + 2
+        self._rows: Values = np.empty((min(expected, 1 << 14), len(self.names)))
+        self._times: Values = np.empty(len(self._rows))
+        self.count = 0
+
+    def sample(self, system: System, step: int, time: float) -> None:
+        if step % self._every or time < self._from:
+            return
+        if self.count == len(self._times):
+            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+            self._times = np.concatenate([self._times, np.empty_like(self._times)])
+        np.take(system.values, self._columns, out=self._rows[self.count])
+        self._times[self.count] = time
+        self.count += 1
+        if self._segments is not None and self.count % 256 == 0:
+            late = perf_counter() - self._written > self.PATIENCE
+            if self.count >= self._full or late:
+                self._segments.write(self.times, self.rows)
+                self._written = perf_counter()
+                self.count = 0
+
+    @property
+    def times(self) -> Values:
+        """Times of the rows in memory [s]."""
+        return self._times[: self.count]
+
+    @property
+    def rows(self) -> Values:
+        """Recorded values in memory, one row per time."""
+        return self._rows[: self.count]
+
+
+class Guard:
+    """Stops a run whose values have ceased to mean anything.
+
+    At every point: NaN, infinity, and what leaves the bounds that its FMU declares (1e100
+    where it declares none). With `growth`, which asks for equal steps, every `WINDOW` points: a
+    wired value whose peak has at least doubled in `WINDOWS` windows on end, which no
+    vibration that settles does, however it starts (a growth as t^n doubles over eight
+    windows only for n above 5).
+    """
+
+    WINDOW = 25
+    WINDOWS = 8
+    BOUND = 1e100
+
+    def __init__(self, system: System, growth: bool = True) -> None:
+        variables = system.variables
+        self._every = self.WINDOW if growth else 0
+        self._high = np.array([self.BOUND if v.most is None else v.most for v in variables])
+        self._low = np.array([-self.BOUND if v.least is None else v.least for v in variables])
+        wired = {
+            f"{c.source}.{c.output.name}" for c in system.plan.connections if not c.output.order
+        }
+        self._wired = np.array([name in wired for name in system.names])
+        self._peak = np.zeros(len(variables))
+        self._last = np.zeros(len(variables))
+        self._growing = np.zeros(len(variables), dtype=int)
+        self._count = 0
+
+    def sample(self, system: System, step: int, time: float) -> None:
+        values = system.values
+        if not ((values <= self._high).all() and (values >= self._low).all()):
+            self._stop(system, time)
+        if not self._every:
+            return
+        np.maximum(self._peak, np.abs(values), out=self._peak)
+        self._count += 1
+        if self._count % self._every == 0:
+            self._compare(system, time)
+
+    def _compare(self, system: System, time: float) -> None:
+        """Close a window: count on where the peak has doubled, start again elsewhere."""
+        doubled = (self._peak >= 2.0 * self._last) & (self._last > 0.0)
+        self._growing = np.where(doubled & self._wired, self._growing + 1, 0)
+        if (self._growing >= self.WINDOWS).any():
+            index = int(np.argmax(self._growing))
+            raise Divergence(
+                f"{system.names[index]} grows without end: {self._peak[index]:.3g}"
+                f" {system.variables[index].unit} at t = {time:.6g} s, doubling every"
+                f" {self.WINDOW} steps; lower the step or use laws"
+            )
+        self._last, self._peak = self._peak, np.zeros_like(self._peak)
+
+    def _stop(self, system: System, time: float) -> None:
+        values = system.values
+        bad = ~((values <= self._high) & (values >= self._low))
+        index = int(np.argmax(bad))
+        name, value = system.names[index], float(values[index])
+        unit = system.variables[index].unit
+        if np.isfinite(value):
+            low, high = self._low[index], self._high[index]
+            what = f"is outside {low:g} to {high:g} {unit}"
+        else:
+            what = "is not a finite number"
+        raise Divergence(
+            f"{name} = {value:g} {unit} at t = {time:.9g} s {what}; last message:"
+            f" {_last_message(system, name)}"
+        )
+
+
+def _last_message(system: System, name: str) -> str:
+    """The last thing the unit behind a value said, or `none`."""
+    unit = name.partition(".")[0]
+    said = [m.unit.messages for m in system.members if m.unit.name == unit]
+    return said[0][-1] if said and said[0] else "none"
+
+
+class Progress:
+    """A bar on the terminal, shown once a run has lasted longer than `PATIENCE` [s]."""
+
+    PATIENCE = 1.0
+
+    def __init__(self, system: System) -> None:
+        self._stop = system.plan.grid.count
+        self._begun = perf_counter()
+        self._next = 0
+        self._bar: object | None = None
+
+    def sample(self, system: System, step: int, time: float) -> None:
+        if step < self._next:
+            return
+        self._next = step + max(1, self._stop // 200)
+        if self._bar is None and perf_counter() - self._begun > self.PATIENCE:
+            self._open()
+        if self._bar is not None:
+            self._bar.update(self._task, completed=step)  # type: ignore[attr-defined]
+
+    def _open(self) -> None:
+        from rich.console import Console
+        from rich.progress import Progress as Bar
+
+        bar = Bar(console=Console(stderr=True), transient=True)
+        self._task = bar.add_task("running", total=self._stop)
+        bar.start()
+        self._bar = bar
+
+    def close(self) -> None:
+        """Take the bar off the terminal."""
+        if self._bar is not None:
+            self._bar.stop()  # type: ignore[attr-defined]
+            self._bar = None

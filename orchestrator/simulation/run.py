@@ -1,0 +1,198 @@
+"""One run: a checked scene stepped from start to stop, and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ..errors import OutputError, ResilinError, SimulationError
+from ..results.error_estimate import estimate as estimate_of
+from ..results.error_estimate import halved
+from ..results.outcome import Outcome, whole
+from ..results.segments import Segments
+from ..scenario.plan import Plan
+from .energy_audit import Audit
+from .interrupt import Interrupt, Interrupted
+from .masters import Master, master
+from .observers import Guard, Observer, Progress, Recorder
+from .step_control import adaptive
+from .stepper import Walk
+from .system import System
+
+MOST_HELD = 1 << 25
+"""Numbers of a run that an estimate holds in memory at most: 256 MB, and as much again."""
+
+
+def run(
+    plan: Plan,
+    *,
+    progress: bool = False,
+    interrupt: Interrupt | None = None,
+    segments: Segments | None = None,
+    estimate: bool | None = None,
+) -> Outcome:
+    """Load the units of a plan, step them through its time span, and free them.
+
+    Steps are those of the scene's grid, or with a tolerance of the size that it asks for. With
+    `estimate`, by default where there is a tolerance, the outcome carries estimated errors.
+    A failure in mid-run does not raise: the outcome carries it beside what was recorded.
+    `segments` takes the rows of a long run off memory.
+    """
+    outcome = _stepped(plan, None, progress=progress, interrupt=interrupt, segments=segments)
+    wanted = plan.scenario.time.tolerance is not None if estimate is None else estimate
+    if not wanted or outcome.failure is not None:
+        return outcome
+    return estimated(outcome, interrupt=interrupt)
+
+
+def replay(plan: Plan, points: Sequence[float], interrupt: Interrupt | None = None) -> Outcome:
+    """Run a plan over given communication points instead of its own."""
+    return _stepped(plan, points, interrupt=interrupt)
+
+
+def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcome:
+    """The same outcome with the error of each variable estimated, at twice the run's cost.
+
+    The scene is run again with half of each communication step; see
+    :func:`orchestrator.results.error_estimate.estimate`. Where that run fails the outcome stays
+    without estimates, and says why.
+    """
+    if outcome.plan.fixed_step:
+        fixed = ", ".join(outcome.plan.fixed_step)
+        return replace(outcome, doubt=f"{fixed} takes steps of one size only")
+    if outcome.kept * len(outcome.names) > MOST_HELD:
+        return replace(outcome, doubt="the run is too long to be held in memory; see record.last")
+    times, held = whole(outcome)
+    try:
+        again = _stepped(outcome.plan, halved(outcome.points), interrupt=interrupt)
+    except ResilinError as error:
+        return replace(outcome, doubt=f"a second time: {error}")
+    if isinstance(again.failure, Interrupted):
+        return replace(outcome, failure=again.failure)
+    if again.failure is not None:
+        return replace(outcome, doubt=f"at half the step: {again.failure}")
+    _, mine, other = np.intersect1d(times, again.times, return_indices=True)
+    rows, finer = held[mine], again.rows[other]
+    estimates = {name: estimate_of(rows[:, k], finer[:, k]) for k, name in enumerate(outcome.names)}
+    return replace(outcome, estimates=estimates)
+
+
+def _stepped(
+    plan: Plan,
+    points: Sequence[float] | None,
+    *,
+    progress: bool = False,
+    interrupt: Interrupt | None = None,
+    segments: Segments | None = None,
+) -> Outcome:
+    with System(plan) as system:
+        settings = plan.scenario.master
+        tolerance = plan.scenario.time.tolerance
+        method = master(settings.kind)(system, settings)
+        recorder = Recorder(system, plan.scenario.record.every, segments)
+        bar = Progress(system) if progress else None
+        even = tolerance is None and points is None
+        watching: list[Observer] = [Guard(system, growth=even), recorder]
+        audit = Audit(system)
+        if even and audit.couplings:
+            watching.append(audit)
+        if bar is not None:
+            watching.append(bar)
+        failure: Exception | None = None
+        taken: Sequence[float] = []
+        rejected = 0
+        begun = perf_counter()
+        try:
+            if points is not None:
+                taken, steps = points, along(system, method, points, watching, interrupt)
+            elif tolerance is None:
+                taken, steps = _grid_points(plan), advance(system, method, watching, interrupt)
+            else:
+                taken, steps, rejected = adaptive(system, method, tolerance, watching, interrupt)
+        except (SimulationError, OutputError, Interrupted) as error:
+            failure = error
+            steps = max((m.unit.steps for m in system.members), default=0)
+        finally:
+            if bar is not None:
+                bar.close()
+        wall_time = perf_counter() - begun
+        calls = {m.unit.name: m.unit.steps for m in system.members}
+        rollbacks = {m.unit.name: m.unit.rollbacks for m in system.members}
+    return Outcome(
+        *(plan, recorder.names, recorder.times, recorder.rows, wall_time, steps, calls, failure),
+        couplings=audit.summary(),
+        points=taken,
+        rejected=rejected,
+        rollbacks=rollbacks,
+        residual=system.residual,
+        segments=segments,
+    )
+
+
+class _GridPoints(Sequence[float]):
+    """Communication points of a grid, made when asked for."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._grid = plan.grid
+
+    def __len__(self) -> int:
+        return self._grid.count + 1
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return [self._grid.point(k) for k in range(*index.indices(len(self)))]
+        return self._grid.point(range(len(self))[index])
+
+
+def _grid_points(plan: Plan) -> Sequence[float]:
+    return _GridPoints(plan)
+
+
+def advance(
+    system: System,
+    method: Master,
+    watching: Sequence[Observer],
+    interrupt: Interrupt | None = None,
+) -> int:
+    """Step a system through its grid; number of steps taken.
+
+    Time is start + k * step. What happens strictly between two points splits that step; rows
+    are kept at the points of the grid alone, so that they stay equidistant.
+    """
+    grid = system.plan.grid
+    walk = Walk(system, method)
+    for observer in watching:
+        observer.sample(system, 0, grid.start)
+    for k in range(grid.count):
+        time, end = grid.point(k), grid.point(k + 1)
+        walk.to(time, end, grid.step if k + 1 < grid.count else end - time)
+        for observer in watching:
+            observer.sample(system, k + 1, end)
+        if interrupt is not None:
+            interrupt.check()
+    return walk.steps
+
+
+def along(
+    system: System,
+    method: Master,
+    points: Sequence[float],
+    watching: Sequence[Observer],
+    interrupt: Interrupt | None = None,
+) -> int:
+    """Step a system over given communication points; number of steps taken."""
+    walk = Walk(system, method)
+    for observer in watching:
+        observer.sample(system, 0, points[0])
+    for k, (time, end) in enumerate(pairwise(points), start=1):
+        walk.to(time, end, end - time)
+        for observer in watching:
+            observer.sample(system, k, end)
+        if interrupt is not None:
+            interrupt.check()
+    return walk.steps

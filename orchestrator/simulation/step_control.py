@@ -1,0 +1,213 @@
+"""Communication steps of a size that an error estimate finds, for a given tolerance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from ..errors import Divergence, SimulationError
+from .coupled_instance import Indices, Values
+from .interrupt import Interrupt
+from .masters import Master
+from .masters.extrapolation import Past, combined, point_weights
+from .observers import Observer
+from .stepper import Walk
+from .system import System
+
+LONGEST = 8.0
+SHORTEST = 1e-5
+"""Bounds of the step as multiples of the scene's."""
+MEMORY = 0.1
+"""Cycles over which local errors are taken to add up."""
+ORDER = 2.0
+MILNE = 1.0 / 6.0
+"""Share of an extrapolation's miss that is counted as the step's own error."""
+
+
+class Estimator(Protocol):
+    """Takes one step and says how wrong it is."""
+
+    rejects: bool
+
+    def attempt(self, time: float, size: float) -> Values:
+        """Step from `time`; estimated local error of each coupling value."""
+
+    def undo(self) -> None:
+        """Go back to before the last attempt, where `rejects`."""
+
+    def accept(self) -> None:
+        """Keep the last attempt."""
+
+
+class Doubling:
+    """The same step once whole and once in halves, from one saved state; the halves are kept."""
+
+    rejects = True
+
+    def __init__(self, walk: Walk, columns: Indices) -> None:
+        self._walk = walk
+        self._columns = columns
+        self._moment = walk.system.save()
+        self._memory = walk.method.remember()
+        self.points: list[float] = []
+
+    def attempt(self, time: float, size: float) -> Values:
+        system, method = self._walk.system, self._walk.method
+        half = 0.5 * size
+        method.advance(time, size)
+        whole = system.values[self._columns].copy()
+        system.restore(self._moment)
+        method.recall(self._memory)
+        method.advance(time, half)
+        method.advance(time + half, time + size - (time + half))
+        self._walk.steps += 3
+        self.points = [time + half, time + size]
+        return np.abs(whole - system.values[self._columns])
+
+    def undo(self) -> None:
+        self._walk.system.restore(self._moment)
+        self._walk.method.recall(self._memory)
+
+    def accept(self) -> None:
+        system = self._walk.system
+        system.forget(self._moment)
+        self._moment = system.save()
+        self._memory = self._walk.method.remember()
+
+
+class Foresight:
+    """What a parabola through the last points foresaw against what came; needs no rollback."""
+
+    rejects = False
+
+    def __init__(self, walk: Walk, columns: Indices) -> None:
+        self._walk = walk
+        self._columns = columns
+        self._past = Past(3)
+        self.points: list[float] = []
+
+    def attempt(self, time: float, size: float) -> Values:
+        values = self._walk.system.values
+        past, end = self._past, time + size
+        past.note(time, values[self._columns])
+        self._walk.method.advance(time, size)
+        self._walk.steps += 1
+        self.points = [end]
+        seen = combined(point_weights(past.times, end, size), past.values)
+        return MILNE * np.abs(seen - values[self._columns])
+
+    def undo(self) -> None:
+        raise NotImplementedError
+
+    def accept(self) -> None:
+        """Nothing is saved, nothing to free."""
+
+    def interrupt(self) -> None:
+        """A discontinuity lies between: what was seen before it says nothing of after."""
+        self._past.forget()
+
+
+def adaptive(
+    system: System,
+    method: Master,
+    tolerance: float,
+    watching: Sequence[Observer],
+    interrupt: Interrupt | None = None,
+) -> tuple[list[float], int, int]:
+    """Step a system through its time span; communication points, steps, and rejections.
+
+    The local error of a step, relative to the largest value seen, may use up its share of
+    the tolerance: step over the time in which errors add up, `MEMORY` cycles or the whole
+    run. A PI controller (Gustafsson 1991) sets the next step; a step that misses by more is
+    taken again, shorter, where all units roll back. Steps end at discontinuities.
+    """
+    plan = system.plan
+    grid = plan.grid
+    walk = Walk(system, method)
+    columns = _columns(system)
+    able = all(known.rollback for known in plan.interfaces.values())
+    estimator = Doubling(walk, columns) if able else Foresight(walk, columns)
+    control = _Control(system, tolerance)
+    scale = np.abs(system.values[columns])
+    time, points, rejected = grid.start, [grid.start], 0
+    size = grid.step if able else 0.1 * grid.step
+    for observer in watching:
+        observer.sample(system, 0, time)
+    while time < grid.stop:
+        end = _end(time, size, walk.cut(time, grid.stop))
+        event = system.next_event()
+        try:
+            error = estimator.attempt(time, end - time)
+            np.maximum(scale, np.abs(system.values[columns]), out=scale)
+            miss = float((error / (scale + 1e-300)).max(initial=0.0))
+        except SimulationError:
+            if not able or end - time <= control.least + 4.0 * math.ulp(end):
+                raise
+            miss = math.inf
+        accepted, size = control.judge(miss, end - time, rejects=able)
+        if not accepted:
+            estimator.undo()
+            rejected += 1
+            continue
+        time = end
+        points += estimator.points
+        points[-1] = end
+        walk.arrive(end, event)
+        if event <= end and isinstance(estimator, Foresight):
+            estimator.interrupt()
+            size = min(size, 0.1 * grid.step)
+        estimator.accept()
+        for observer in watching:
+            observer.sample(system, len(points) - 1, end)
+        if interrupt is not None:
+            interrupt.check()
+    return points, walk.steps, rejected
+
+
+def _columns(system: System) -> Indices:
+    """Places of the wired real values that are no members of laws."""
+    plan = system.plan
+    used = {f"{c.source}.{c.output.name}" for c in plan.connections if not c.output.order}
+    chosen = [k for k in system.wired if system.names[k] in used and system.variables[k].real]
+    return np.array(chosen, dtype=np.intp)
+
+
+def _end(time: float, size: float, latest: float) -> float:
+    """End of a step of about `size`; no crumb is left before `latest`."""
+    left = latest - time
+    if left <= 1.01 * size:
+        return latest
+    return time + (0.5 * left if left < 2.0 * size else size)
+
+
+class _Control:
+    """PI control of the step from relative errors per step."""
+
+    def __init__(self, system: System, tolerance: float) -> None:
+        grid, frequency = system.plan.grid, system.plan.frequency
+        span = grid.stop - grid.start
+        self.span = min(span, MEMORY / frequency) if frequency else span
+        self.most = min(LONGEST * grid.step, span)
+        if frequency:
+            self.most = max(grid.step, min(self.most, 0.1 / frequency))
+        self.least = SHORTEST * grid.step
+        self.tolerance = tolerance
+        self._before = 1.0
+
+    def judge(self, miss: float, size: float, *, rejects: bool) -> tuple[bool, float]:
+        """Whether a step is good enough, and the size of the next."""
+        share = self.tolerance * size / self.span
+        ratio = max(miss / share, 1e-6)
+        if not math.isfinite(ratio):
+            if not rejects:
+                raise Divergence("a coupling value is no longer finite")
+            return False, max(self.least, 0.2 * size)
+        if rejects and ratio > 1.0 and size > self.least * (1.0 + 1e-6):
+            self._before = 1.0
+            return False, max(self.least, size * max(0.2, 0.9 * ratio ** (-1.0 / ORDER)))
+        factor = 0.9 * ratio ** (-0.7 / ORDER) * self._before ** (0.4 / ORDER)
+        self._before = ratio
+        return True, float(np.clip(size * min(4.0, max(0.2, factor)), self.least, self.most))

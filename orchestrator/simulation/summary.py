@@ -1,0 +1,58 @@
+"""What a run tells beside its metrics: estimated errors, energies of couplings, warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ..errors import printable
+from ..results.outcome import Outcome
+from .energy_audit import LIMIT
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+def errors(outcome: Outcome) -> Table:
+    """Estimated error of each coupling value: those that are wired and no members of laws."""
+    from rich.table import Table
+
+    plan = outcome.plan
+    wired = {f"{c.source}.{c.output.name}" for c in plan.connections if not c.output.order}
+    units = {f"{name}.{v.name}": v.unit for name, v in plan.records}
+    table = Table("coupling value", "estimated error", "of its largest", title="accuracy")
+    named = sorted(wired & set(outcome.estimates or {})) or sorted(outcome.estimates or {})
+    for name in named:
+        found = (outcome.estimates or {})[name]
+        table.add_row(printable(name), f"{found.error:.2g} {units[name]}", f"{found.relative:.1e}")
+    return table
+
+
+def couplings(outcome: Outcome) -> Table:
+    """Energy that each power coupling has created or lost, and by the energy exchanged."""
+    from rich.table import Table
+
+    frequency = outcome.plan.frequency
+    cycles = outcome.simulated * frequency if frequency else 1.0
+    each = "a cycle" if frequency else "in all"
+    table = Table("coupling", f"created {each}", "of the exchanged", title="energy of couplings")
+    for name, (created, exchanged) in outcome.couplings.items():
+        share = created / exchanged if exchanged else 0.0
+        table.add_row(printable(name), f"{created / cycles:+.2e} J", f"{share:+.1e}")
+    return table
+
+
+def warnings(outcome: Outcome) -> Iterator[str]:
+    """What a user should know before trusting the numbers."""
+    for name, (created, exchanged) in outcome.couplings.items():
+        if exchanged and abs(created) > LIMIT * exchanged:
+            verb = "creates" if created > 0.0 else "loses"
+            yield (
+                f"{name} {verb} {abs(created) / exchanged:.1%} of the energy that it exchanges;"
+                " lower the step or connect whole ports"
+            )
+    if outcome.doubt:
+        yield f"no error estimate: {outcome.doubt}"
+    for name, interface in outcome.plan.interfaces.items():
+        for warning in interface.warnings[:1]:
+            yield f"{name}: {warning}"

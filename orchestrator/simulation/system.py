@@ -1,0 +1,294 @@
+"""Loaded units, wired: one buffer of inputs, one of outputs, and the moves between them.
+
+Each unit reads into and writes from its own stretch of two shared arrays, so that passing a
+port is one slice assignment, recording a row one gather, and checking all values one call.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from ..errors import FmuError, InitialisationError, SimulationError, UnitFailure
+from ..fmi.archive import extract
+from ..fmi.description import EVENT, Variable
+from ..fmi.instance import Unit, open_unit
+from ..scenario.actions import Action
+from ..scenario.execution_order import reachable
+from ..scenario.plan import Plan
+from .coupled_instance import Indices, Member, Values
+from .initialisation import Unsettled, settle
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Everything that rolling back needs: FMU states, values, and held inputs."""
+
+    states: list[Any]
+    values: Values
+    buffers: list[Values]
+
+
+class System:
+    """Units of a plan, loaded, connected and initialised; a context manager.
+
+    `values` holds all outputs that are wired, recorded or announce events, named by `names`;
+    `wired` are the places of those that are wired. `members` stand in the order of the plan;
+    `followers` are those whose outputs follow their inputs directly, in dependency order:
+    after a step they are brought up to the new communication point. `residual` is what was
+    left of the initial conditions, relative.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.members: list[Member] = []
+        self.followers: list[Member] = []
+        self.names: list[str] = []
+        self.values: Values = np.zeros(0)
+        self.variables: list[Variable] = []
+        self.wired: Indices = np.zeros(0, dtype=np.intp)
+        self.residual = 0.0
+        self._loop = False
+        self._stack = ExitStack()
+        self._events: list[int] = []
+
+    def __enter__(self) -> Self:
+        try:
+            self._load()
+        except UnitFailure as error:
+            self.close()
+            raise InitialisationError(f"{self.plan.path}: {error}") from None
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free all instances, then remove the folders they were unpacked in."""
+        self._stack.close()
+
+    def next_event(self) -> float:
+        """Time of the next discontinuity that a unit announces; infinity without one."""
+        return min((float(self.values[i]) for i in self._events), default=np.inf)
+
+    @property
+    def announces(self) -> bool:
+        """Whether any unit announces discontinuities."""
+        return bool(self._events)
+
+    def follow(self) -> None:
+        """Bring outputs that follow inputs directly up to the present communication point."""
+        for member in self.followers:
+            member.follow()
+        if self._loop:
+            try:
+                settle(self.followers, self.values, self.wired)
+            except Unsettled as error:
+                raise SimulationError(
+                    f"{self.names[error.place]} is in an algebraic loop that does not settle:"
+                    f" still changing by {error.change:.2g}"
+                ) from None
+
+    def save(self) -> Moment:
+        """All there is at this communication point; to be given to `restore` and `forget`."""
+        states = [member.unit.save() for member in self.members]
+        return Moment(states, self.values.copy(), [m.buffer.copy() for m in self.members])
+
+    def restore(self, moment: Moment) -> None:
+        """Back to a saved communication point, which stays saved."""
+        self.values[:] = moment.values
+        for member, state, buffer in zip(self.members, moment.states, moment.buffers, strict=True):
+            member.unit.restore(state)
+            member.buffer[:] = buffer
+
+    def forget(self, moment: Moment) -> None:
+        """Free a saved communication point."""
+        for member, state in zip(self.members, moment.states, strict=True):
+            member.unit.forget(state)
+
+    def act(self, action: Action) -> None:
+        """Give a unit the values of a timed action, and the others what follows from it."""
+        member = next(m for m in self.members if m.unit.name == action.component)
+        parameters = {}
+        for name, value in action.values.items():
+            if name in member.held:
+                member.buffer[member.held[name]] = value
+            else:
+                parameters[name] = value
+        if parameters:
+            member.unit.set(parameters)
+        member.follow()
+        self.follow()
+
+    def _load(self) -> None:
+        plan = self.plan
+        folders: dict[Path, Path] = {}
+        units: dict[str, Unit] = {}
+        for name in plan.order:
+            unit = self._opened(name, folders)
+            self._stack.callback(unit.close)
+            if faults := [fault for fault in plan.faults if fault.component == name]:
+                from .fault_injection import Impaired
+
+                unit = Impaired(unit, faults)
+            units[name] = unit
+        self._connect(units)
+        self._initialise()
+
+    def _opened(self, name: str, folders: dict[Path, Path]) -> Unit:
+        """Unit of a component; `folders` are those of the FMUs unpacked so far."""
+        plan = self.plan
+        if name in plan.recordings:
+            from ..recording.instance import Recorded
+
+            return Recorded(name, plan.recordings[name])
+        interface = plan.interfaces[name]
+        if interface.path not in folders:
+            folders[interface.path] = self._unpacked(interface.path)
+        isolate = plan.scenario.components[name].isolate
+        if isolate is None and interface.once:
+            alike = [n for n, other in plan.interfaces.items() if other is interface]
+            isolate = True if len(alike) > 1 else None
+        return open_unit(name, interface, folders[interface.path], isolate, plan.limits[name])
+
+    def _unpacked(self, path: Path) -> Path:
+        try:
+            made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
+        except OSError as error:
+            raise FmuError(
+                f"{path}: no folder for temporary files in {tempfile.tempdir}"
+                f" ({error.strerror}); set TMPDIR to one that is there and writable"
+            ) from None
+        folder = Path(self._stack.enter_context(made))
+        if "%" in str(folder):
+            raise FmuError(f"{path}: FMUs do not load from {folder}; set TMPDIR to one without %")
+        extract(path, folder)
+        return folder
+
+    def _connect(self, units: dict[str, Unit]) -> None:
+        """Lay out both buffers and bind every unit to its stretch of them."""
+        plan = self.plan
+        groups = {name: self._groups(name) for name in plan.order}
+        place: dict[tuple[str, str], int] = {}
+        for name in plan.order:
+            for variable in (v for group in groups[name] for v in group):
+                place[name, variable.name] = len(self.variables)
+                self.variables.append(variable)
+                self.names.append(f"{name}.{variable.name}")
+                if variable.name == EVENT and variable.unit == "s":
+                    self._events.append(len(self.variables) - 1)
+        self.values = np.zeros(len(self.variables))
+        sources = sorted({place[c.source, c.output.name] for c in plan.connections})
+        self.wired = np.array(sources, dtype=np.intp)
+        first = 0
+        for name in plan.order:
+            count = sum(len(group) for group in groups[name])
+            stretch = slice(first, first + count)
+            arriving = [c for c in plan.connections if c.target == name]
+            arriving.sort(key=lambda c: place[c.source, c.output.name])
+            held = {
+                key.partition(".")[2]: value
+                for key, value in plan.held.items()
+                if key.startswith(f"{name}.")
+            }
+            from_places = [place[c.source, c.output.name] for c in arriving]
+            member = Member(
+                *(units[name], self.values, stretch, arriving),
+                *(np.array(from_places, dtype=np.intp), held),
+            )
+            inputs = [c.input for c in arriving]
+            inputs += [plan.interfaces[name].variables[key] for key in held]
+            units[name].connect(inputs, member.buffer, groups[name], self.values[stretch])
+            self.members.append(member)
+            first += count
+        self._find_followers()
+
+    def _groups(self, name: str) -> list[list[Variable]]:
+        """Outputs of a unit to be read: those needed by later units, then all others used."""
+        plan = self.plan
+        later = set(plan.order[plan.order.index(name) :])
+        leaving = [c for c in plan.connections if c.source == name]
+        used = {c.output.name for c in leaving}
+        used |= {variable.name for component, variable in plan.records if component == name}
+        outputs = plan.interfaces[name].of("output")
+        used |= {v.name for v in outputs if v.name == EVENT and v.real}
+        soon = {c.output.name for c in leaving if c.target in later}
+        return [
+            [v for v in outputs if v.name in soon],
+            [v for v in outputs if v.name in used and v.name not in soon],
+        ]
+
+    def _find_followers(self) -> None:
+        """Members with a used output that follows a wired input directly, sources first."""
+        plan = self.plan
+        wired = {(c.target, c.input.name): c for c in plan.connections}
+        direct: dict[str, set[str]] = {}
+        for name, variable in zip(
+            (n.partition(".")[0] for n in self.names), self.variables, strict=True
+        ):
+            inputs = variable.depends
+            if inputs is None:
+                inputs = tuple(v.name for v in plan.interfaces[name].of("input"))
+            for key in inputs:
+                if (name, key) in wired:
+                    direct.setdefault(name, set()).add(wired[name, key].source)
+        names = list(direct)
+        reach = reachable(names, [(s, n) for n, found in direct.items() for s in found & {*names}])
+        self._loop = any(name in reach[name] for name in names)
+        done: list[str] = []
+        waiting = [name for name in plan.order if name in direct]
+        while waiting:
+            ready = [n for n in waiting if not (direct[n] - {n}) & set(waiting)] or waiting[:1]
+            done += ready
+            waiting = [n for n in waiting if n not in ready]
+        by_name = {member.unit.name: member for member in self.members}
+        self.followers = [by_name[name] for name in done]
+        for member in self.members:
+            member.direct = member in self.followers
+            if not member.direct:
+                member.unit.read_whole_at_once()
+
+    def _initialise(self) -> None:
+        """Initialisation mode of all units, with values passed until nothing changes."""
+        grid = self.plan.grid
+        tolerance = self.plan.scenario.time.tolerance
+        for member in self.members:
+            start = self.plan.starts[member.unit.name]
+            member.unit.prepare(start, grid.start, grid.stop, tolerance)
+        for member in self.members:
+            member.unit.enter_initialisation()
+        for member in self.members:
+            member.unit.receive()
+        try:
+            self.residual = settle(self.members, self.values, self.wired)
+        except Unsettled as error:
+            raise InitialisationError(self._unsettled(error)) from None
+        for member in self.members:
+            member.unit.exit_initialisation()
+        for member in self.members:
+            member.follow()
+
+    def _unsettled(self, error: Unsettled) -> str:
+        """Why the start values do not go together: what a unit said, else the worst value."""
+        said = [f"{m.unit.name}: {text}" for m in self.members for text in m.unit.messages[-1:]]
+        if said:
+            return f"{self.plan.path}: {said[0]}"
+        name, value = self.names[error.place], self.values[error.place]
+        return (
+            f"{self.plan.path}: {name} = {value:g} does not settle at the start (still changing"
+            f" by {error.change:.2g}); give other start values"
+        )

@@ -1,5 +1,0 @@
-"""System structures of the SSP standard, 1.0 and 2.0, read as scenes."""
-
-from .scene import read_ssp
-
-__all__ = ["read_ssp"]

@@ -1,0 +1,141 @@
+"""What the scenes say of each datum, for given values of the parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError, SimulationError, nearest
+from ...results.metrics import metrics
+from ...results.netcdf import dataset
+from ...scenario.plan import LIBRARY, Plan
+from ...scenario.start_values import start_value
+from ...simulation.interrupt import Interrupt
+from ...simulation.load import load
+from ...simulation.run import run
+from ...units import UnitError, si_value
+from ..sweep.peak import Peak, middles, peak_of
+from .fits import Datum, Fit, Parameter
+
+FIRST = 7
+"""Runs over the range of a peak, before it is refined."""
+
+FINEST = 1.0 / 16.0
+"""Smallest spacing beside the peak, of that of the first runs."""
+
+
+class Model:
+    """Scenes of a fit as a function from its parameters to its data, all in SI.
+
+    A peak is looked for once for every scene and range, however many data are of it; `runs`
+    counts the runs of scenes.
+    """
+
+    def __init__(self, fit: Fit, library: Path = LIBRARY, interrupt: Interrupt | None = None):
+        self.fit = fit
+        self.runs = 0
+        self._library = library
+        self._interrupt = interrupt
+        self._plans = {d.scene: load(d.scene, None, library) for d in fit.data}
+        self.start = [self._si(parameter, parameter.value) for parameter in fit.parameters]
+        self.low = [self._si(parameter, parameter.low) for parameter in fit.parameters]
+        self.high = [self._si(parameter, parameter.high) for parameter in fit.parameters]
+        self.paper = [si_value(datum.value, _unit(self._plans[datum.scene], datum))
+                      for datum in fit.data]  # fmt: skip
+
+    def values(self, parameters: Sequence[float]) -> list[float]:
+        """Each datum as the scenes have it; `SimulationError` where a run stops."""
+        known: dict[tuple[Any, ...], Peak] = {}
+        found = []
+        for datum in self.fit.data:
+            key = (datum.scene, datum.metric, datum.over, datum.between, tuple(datum.set.items()))
+            if key not in known:
+                known[key] = self._peak(datum, parameters)
+            peak = known[key]
+            found.append(peak.at if datum.of == "place" else datum.share * peak.value)
+        return found
+
+    def carried(self, parameter: Parameter) -> list[float]:
+        """The value [SI] that each scene of a parameter really has, its own times taken out."""
+        component, _, name = parameter.sets.partition(".")
+        found = []
+        for scene in parameter.scenes:
+            plan = self._plans.get(scene) or load(scene, None, self._library)
+            known = plan.interfaces[component].variables[name]
+            value = plan.starts[component].get(name, known.start)
+            found.append(float(value) / parameter.times.get(scene, 1.0))  # type: ignore[arg-type]
+        return found
+
+    def _si(self, parameter: Parameter, value: float | str) -> float:
+        component, _, name = parameter.sets.partition(".")
+        plan = self._plans.get(parameter.scenes[0])
+        if plan is None or component not in plan.interfaces:
+            raise InputError(f"{parameter.name}: no datum is of scene {parameter.scenes[0]}")
+        known = plan.interfaces[component].variables
+        if name not in known:
+            raise InputError(f"{parameter.name}: no parameter {name!r}; {nearest(name, known)}")
+        try:
+            return float(start_value(known[name], value))
+        except UnitError as error:
+            raise InputError(f"{parameter.name}: {error}") from None
+
+    def _peak(self, datum: Datum, parameters: Sequence[float]) -> Peak:
+        """The metric as the scene stands, or its peak over a range, bisected beside it."""
+        changes: dict[str, Any] = dict(datum.set)
+        for parameter, value in zip(self.fit.parameters, parameters, strict=True):
+            if datum.scene in parameter.scenes:
+                changes[parameter.sets] = value * parameter.times.get(datum.scene, 1.0)
+        if datum.between is None:
+            return Peak(0.0, self._metric(datum, changes))
+        low, high = (si_value(end, "Hz") for end in datum.between)
+        first = (high - low) / (FIRST - 1)
+        places = [low + k * first for k in range(FIRST)]
+        values: dict[float, float] = {}
+        while places:
+            for place in places:
+                values[place] = self._metric(datum, changes | {datum.over: place})
+            places = middles(values, FINEST * first)
+        peak = peak_of(values)
+        if peak is None or not low < peak.at < high:
+            raise SimulationError(f"{datum.name}: no peak between {low:g} and {high:g} Hz")
+        return peak
+
+    def _metric(self, datum: Datum, changes: Mapping[str, Any]) -> float:
+        """A metric of one run [SI]."""
+        given = {"stop": datum.stop, "step": datum.step}
+        time = {key: value for key, value in given.items() if value is not None}
+        plan = load(datum.scene, dict(changes), self._library, time=time)
+        done = run(plan, estimate=False, interrupt=self._interrupt)
+        if done.failure is not None:
+            raise done.failure
+        self.runs += 1
+        found = {m.name: m.value for m in metrics(dataset(done), plan.scenario.metrics.cycles)}
+        if datum.metric not in found:
+            raise InputError(f"{datum.name}: {datum.scene} has no {datum.metric}")
+        return found[datum.metric]
+
+
+METRIC_UNITS = {
+    "flapping stroke": "rad",
+    "travel": "m",
+    "frequency": "Hz",
+    "phase": "rad",
+    "peak voltage": "V",
+    "peak current": "A",
+    "electrical power": "W",
+    "mechanical power": "W",
+    "aerodynamic power": "W",
+    "mean lift": "N",
+}
+
+
+def _unit(plan: Plan, datum: Datum) -> str:
+    """Unit of a datum: that of the parameter swept over, or of the metric."""
+    if datum.of != "place":
+        if datum.metric not in METRIC_UNITS:
+            hint = nearest(datum.metric, METRIC_UNITS)
+            raise InputError(f"{datum.name}: no metric {datum.metric!r}; {hint}")
+        return METRIC_UNITS[datum.metric]
+    component, _, name = datum.over.partition(".")
+    return plan.interfaces[component].variables[name].unit or "1"

@@ -1,0 +1,95 @@
+"""Frequency response of a linearised scene as a picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, printable
+from ..simulation.linear.state_space import Linear
+from .output_files import save_figure
+
+MOST = 8
+
+
+METRICS = {"displacement": "travel", "flap_angle": "flapping_stroke"}
+"""Metric of a sweep that is twice the amplitude of an output."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A sweep of the nonlinear scene over frequency: half its travels and strokes by `drive`.
+
+    `drive` is the amplitude of what drove it, in the unit of the linear input.
+    """
+
+    frequencies: NDArray[np.float64]
+    amplitudes: dict[str, NDArray[np.float64]]
+    lags: NDArray[np.float64] | None
+    name: str
+
+
+def beside(path: Path, drive: float) -> Beside:
+    """Read a sweep that `resilin sweep` has written over one parameter called frequency."""
+    import xarray
+
+    try:
+        with xarray.open_dataset(path) as data:
+            axes = [str(c) for c in data.coords if str(c).rpartition(".")[2] == "frequency"]
+            if len(axes) != 1:
+                raise InputError(f"{path}: is no sweep over one frequency")
+            found = {
+                output: 0.5 * np.asarray(data[metric], float) / drive
+                for output, metric in METRICS.items()
+                if metric in data
+            }
+            lags = np.asarray(data["phase"], float) if "phase" in data else None
+            return Beside(np.asarray(data[axes[0]], float), found, lags, path.name)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read as a sweep ({error})") from None
+
+
+def draw(
+    system: Linear, path: Path, frequency: float | None = None, swept: Beside | None = None
+) -> Path:
+    """Magnitude and phase from every input to the first outputs, two decades up to Nyquist.
+
+    `frequency` [Hz], where a scene has one, is marked; `swept` is drawn as points.
+    """
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    nyquist = 0.5 / system.step
+    low = min(0.01 * nyquist, 0.1 * frequency if frequency else np.inf)
+    frequencies = np.geomspace(low, 0.5 * nyquist, 400)
+    response = system.response(frequencies)
+    figure, axes = pyplot.subplots(2, 1, sharex=True, figsize=(8.0, 6.0))
+    for row, name in enumerate(system.outputs[:MOST]):
+        for column, source in enumerate(system.inputs):
+            curve = response[row, column]
+            if not np.any(curve):
+                continue
+            label = printable(f"{source} to {name}").replace("$", r"\$")
+            axes[0].loglog(frequencies, np.abs(curve), label=label)
+            axes[1].semilogx(frequencies, np.degrees(np.unwrap(np.angle(curve))))
+    if swept is not None:
+        for name in system.outputs[:MOST]:
+            if (found := swept.amplitudes.get(name.rpartition(".")[2])) is not None:
+                label = printable(f"{name}, {swept.name}").replace("$", r"\$")
+                axes[0].loglog(swept.frequencies, found, "o", ms=3, label=label)
+        if swept.lags is not None:
+            axes[1].semilogx(swept.frequencies, -np.degrees(swept.lags), "o", ms=3)
+    axes[0].set_ylabel("magnitude (SI)")
+    axes[1].set(ylabel="phase (deg)", xlabel="frequency (Hz)")
+    for axis in axes:
+        axis.grid(visible=True, which="both", alpha=0.2)
+        if frequency:
+            axis.axvline(frequency, color="k", ls=":", lw=0.8)
+    axes[0].legend(fontsize=7)
+    figure.tight_layout()
+    return save_figure(figure, path, 110)

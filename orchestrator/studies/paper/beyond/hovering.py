@@ -1,0 +1,207 @@
+"""What hovering would take: equation 6 turned round, by runs over drive, layers and wings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ....report.plot import Axis, Curve, Figure, Plot
+from ....report.table import Column, Table, quantity
+from ....scenario.plan import Plan
+from ..cached_runs import Lab
+from ..comparison import Item
+from ..equation6 import GRAVITY, mass
+from ..frequency_sweep import Spectrum, Sweep, spectra
+from ..job import Job, plan_of, start_of
+from ..metrics import lift, net, stroke
+from ..published_values import given
+
+PROTOTYPE = "flapping-full-wings"
+TITLE = "Beyond: what hovering would take"
+DRIVES = (1380.0, 1920.0, 2700.0)
+LAYERS = (8, 16, 32, 64)
+LENGTHS = (40.0e-3, 60.0e-3, 80.0e-3)
+SHARES = (0.55, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25)
+PULL_IN = 2000.0
+"""Voltage [V] above which the film's table has no stable cone; see fmus/membrane/materials.toml."""
+
+FILM = 25.35e-6
+"""What each more layer adds that moves [kg]: half of what `power-2` has for two."""
+
+ADDED = 6.4e-9
+"""Inertia of the air that wings of 40 mm move [kg m^2]: for the first guess of a frequency."""
+
+STOPS = math.radians(118.0)
+"""Stroke between the stops [rad]."""
+
+LEVER = 425.0
+"""Flap angle over displacement at rest [rad/m]."""
+
+KEPT = ("amplifier.supplied_energy",)
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """One of those swept: drive [V], layers of a cone, length of a wing [m]."""
+
+    drive: float
+    layers: int
+    length: float
+
+    @property
+    def times(self) -> float:
+        """Layers by those of the prototype."""
+        return self.layers / LAYERS[0]
+
+    @property
+    def actuator(self) -> float:
+        """Mass of both cones, by the paper's 0.12 g of a layer [kg]."""
+        return float(given("cones")) * self.layers * float(given("layer_mass"))
+
+    def sweep(self, prototype: Plan) -> Sweep:
+        """Frequencies about the resonance that small motion would have."""
+        times, wings = self.times, (self.length / LENGTHS[0]) ** 4
+        stiffness = times * start_of(prototype, "spring.stiffness")
+        slider = start_of(prototype, "linkage.slider_mass") + FILM * (self.layers - LAYERS[0])
+        inertia = wings * start_of(prototype, "linkage.wing_inertia")
+        moving = slider + (inertia + wings * ADDED) * LEVER**2
+        middle = math.sqrt(stiffness / moving) / math.tau
+        changes = {
+            "amplifier.amplitude": self.drive,
+            "spring.stiffness": stiffness,
+            **{
+                f"spring.{name}": times * start_of(prototype, f"spring.{name}")
+                for name in ("damping", "blocked_force", "capacitance")
+            },
+            "linkage.slider_mass": slider,
+            "linkage.wing_inertia": inertia,
+            "aero.wing_length": self.length,
+        }
+        places = [round(share * middle, 3) for share in SHARES]
+        told = {key: repr(value) for key, value in changes.items()}
+        return Sweep("hovering", places, told, keep=KEPT, settle=1.2, cycles=5)
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where the lift of one is largest."""
+
+    vehicle: Vehicle
+    frequency: float
+    lift: float
+    stroke: float
+    power: float
+
+    @property
+    def share(self) -> float:
+        """Lift over the weight of the actuator alone."""
+        return self.lift / (GRAVITY * self.vehicle.actuator)
+
+    @property
+    def equation(self) -> float:
+        """Mass that equation 6 gives for this stroke and frequency with C_L = 2 [kg]."""
+        ratio = float(given("aspect_ratio"))
+        return mass(2.0, self.stroke, self.frequency, self.vehicle.length, ratio)
+
+    @property
+    def asked(self) -> float:
+        """Frequency at which equation 6 lifts the cones, at the stops and with C_L = 2 [Hz]."""
+        ratio = float(given("aspect_ratio"))
+        each = mass(2.0, STOPS, 1.0, self.vehicle.length, ratio)
+        return math.sqrt(self.vehicle.actuator / each)
+
+
+def hovering(lab: Lab) -> Item:
+    """Sweeps of all vehicles at once; the largest lift of each."""
+    every = [Vehicle(v, n, r) for r in LENGTHS for n in LAYERS for v in DRIVES]
+    prototype = plan_of(Job(PROTOTYPE), lab.library)
+    swept = spectra(lab, [vehicle.sweep(prototype) for vehicle in every], lift)
+    found = [f for v, s in zip(every, swept, strict=True) if (f := _best(v, s)) is not None]
+    failures = [text for spectrum in swept for text in spectrum.failures]
+    if not found:
+        return Item("hovering", TITLE, (), (), (), failures)
+    stable = [f for f in found if f.vehicle.drive < PULL_IN]
+    best, most = max(stable, key=lambda f: f.share), max(found, key=lambda f: f.share)
+    words = (
+        "The vehicle of figure 11 with more layers, longer wings and other voltages: stiffness,"
+        " damping, force and capacitance in proportion to the layers, the force to the square of"
+        " the voltage, the wings' inertia to the fourth power of their length, 25.35 mg for each"
+        " layer that the slider moves. The lift is that of the assumed quasi-steady coefficients at"
+        " the frequency where it is largest. It is held against the weight of the two cones alone,"
+        " 0.12 g a layer as the paper has it: frame, gear, amplifier and battery come on top.",
+        f"With what the film stands, the best of these lifts {100 * best.share:.0f} % of its own"
+        f" cones: {_said(best)}. Above {1e-3 * PULL_IN:g} kV the film of the paper has no stable"
+        " cone, so the curves of 2700 V stand for a film of twice the force; the best of them"
+        f" lifts {100 * most.share:.0f} %: {_said(most)}.",
+        "Equation 6 turned round: at the stops' 118 degrees and with C_L = 2 the cones alone ask"
+        " for the frequency in the table's last column but one. More layers do not close the gap,"
+        " as force and stiffness grow together: the stroke stays, the frequency rises with their"
+        " root, and the lift grows as the weight does, until the slider's own weight counts. Longer"
+        " wings do not either: the frequency falls with the square of their length. What is left is"
+        " force for a given weight: voltage, permittivity, thinner films. The feathering is that"
+        " assumed for wings of 40 mm; long and slow ones would need it softer.",
+    )
+    return Item(*("hovering", TITLE, words, (), [_drawn(found)], failures), extras=[_table(found)])
+
+
+def _best(vehicle: Vehicle, spectrum: Spectrum) -> Found | None:
+    peak = spectrum.peak(lift)
+    if peak is None:
+        return None
+    answer = spectrum.answers[spectrum.nearest(peak.at)]
+    return Found(vehicle, peak.at, peak.value, stroke(answer), net(answer))
+
+
+def _said(found: Found) -> str:
+    v = found.vehicle
+    return (
+        f"{v.drive:g} V, {v.layers} layers, wings of {1e3 * v.length:g} mm,"
+        f" {math.degrees(found.stroke):.0f} degrees at {found.frequency:.1f} Hz"
+    )
+
+
+def _drawn(found: Sequence[Found]) -> Figure:
+    plots = []
+    for length in LENGTHS:
+        curves = []
+        for drive in DRIVES:
+            mine = [f for f in found if (f.vehicle.length, f.vehicle.drive) == (length, drive)]
+            layers = [float(f.vehicle.layers) for f in mine]
+            curves.append(
+                Curve(f"{drive:g} V", layers, [100 * f.share for f in mine], "line-points")
+            )
+        title = f"Wings of {1e3 * length:g} mm"
+        axes = (Axis("layers of a cone", log=True), Axis("lift over weight of the cones (%)"))
+        plots.append(Plot(title, *axes, curves))
+    return Figure(
+        "hovering", "Lift over the weight of the actuator",
+        "At the frequency of largest lift; 100 % would carry the cones and nothing else.", plots,
+    )  # fmt: skip
+
+
+def _table(found: Sequence[Found]) -> Table:
+    columns = [
+        Column("Wing", number=True), Column("Layers", number=True), Column("Drive", number=True),
+        Column("Frequency", number=True), Column("Stroke", number=True),
+        Column("Lift", number=True), Column("Equation 6, C_L = 2", number=True),
+        Column("Cones", number=True), Column("Lift over cones", number=True),
+        Column("Frequency asked for", number=True), Column("Electrical power", number=True),
+    ]  # fmt: skip
+    rows = [
+        [
+            quantity(f.vehicle.length, f"{1e3 * f.vehicle.length:g} mm"),
+            quantity(f.vehicle.layers, f"{f.vehicle.layers}"),
+            quantity(f.vehicle.drive, f"{f.vehicle.drive:g} V"),
+            quantity(f.frequency, f"{f.frequency:.1f} Hz"),
+            quantity(f.stroke, f"{math.degrees(f.stroke):.0f} deg"),
+            quantity(f.lift, f"{1e6 * f.lift / GRAVITY:.0f} mg"),
+            quantity(f.equation, f"{1e6 * f.equation:.0f} mg"),
+            quantity(f.vehicle.actuator, f"{1e3 * f.vehicle.actuator:.2f} g"),
+            quantity(f.share, f"{100 * f.share:.1f} %"),
+            quantity(f.asked, f"{f.asked:.0f} Hz"),
+            quantity(f.power, f"{1e3 * f.power:.0f} mW"),
+        ]
+        for f in found
+    ]
+    return Table("Largest lift of each; scene hovering", columns, rows)

@@ -1,0 +1,210 @@
+"""One run that a figure rests on: what is asked of a worker, and what it answers."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+from functools import cache
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError, SimulationError, printable
+from ...scenario.plan import Plan, fmu_path
+
+FORM = 1
+"""Counts up when answers take another shape, so that older ones on disk are not taken for them."""
+
+DIGITS = 9
+"""Significant digits of a kept series: far below any error of a run, and half the disk."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene with changed start values and keys, run and looked at over its last `cycles`.
+
+    `keep` are patterns of the recorded variables whose series come back; `cycles` 0 looks at the
+    whole run. `per_cycle` is the number of steps in a cycle, `step` [s] takes
+    its place in a scene without cycles; None where the scene's own is meant.
+    """
+
+    scene: str
+    changes: Mapping[str, str] = field(default_factory=dict)
+    hold: Mapping[str, str] = field(default_factory=dict)
+    record: tuple[str, ...] = ()
+    keep: tuple[str, ...] = ()
+    length: int | None = None
+    per_cycle: int | None = None
+    step: float | None = None
+    cycles: int = 3
+
+    def halved(self) -> Job | None:
+        """The same at half the communication step; None where the job leaves that to the scene."""
+        if self.per_cycle is not None:
+            return replace(self, per_cycle=2 * self.per_cycle)
+        return replace(self, step=0.5 * self.step) if self.step is not None else None
+
+    def options(self) -> dict[str, Any]:
+        """What the job overrides in its scene."""
+        time: dict[str, Any] = {}
+        if self.length is not None:
+            time["stop"] = f"{self.length} cycles"
+        if self.per_cycle is not None:
+            time["step"] = {"per_cycle": self.per_cycle}
+        elif self.step is not None:
+            time["step"] = self.step
+        record = {"variables": list(self.record)} if self.record else {}
+        return {"time": time, "hold": dict(self.hold), "record": record}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What became of a job: `done`, or `failed` for a reason. `metrics` are those of a run."""
+
+    status: str
+    reason: str = ""
+    metrics: Mapping[str, float] = field(default_factory=dict)
+    times: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    rows: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    wall_time: float = 0.0
+    steps: int = 0
+
+    def series(self, ending: str) -> NDArray[np.float64]:
+        """The kept series whose name ends so."""
+        for name, values in self.rows.items():
+            if name == ending or name.endswith(f".{ending}"):
+                return values
+        raise KeyError(ending)
+
+
+def identity(job: Job, library: Path) -> str:
+    """Digest of the resolved scene, the FMU files, Resilin's version and what is looked at.
+
+    The same conditions as those of a sweep's point, from the files alone: no FMU is opened.
+    """
+    from ...scenario.parse import load_scenario
+
+    scenario, path = load_scenario(job.scene, dict(job.changes), **job.options())
+    files = {
+        name: _file(
+            fmu_path(component.fmu, path, library)
+            if component.fmu is not None
+            else path.parent / str(component.data)
+        )
+        for name, component in scenario.components.items()
+    }
+    known = [
+        *(FORM, _release(), scenario.model_dump_json(by_alias=True), files),
+        *(job.keep, job.cycles),
+    ]
+    return hashlib.sha256(json.dumps(known, sort_keys=True).encode()).hexdigest()[:32]
+
+
+def carry_out(task: tuple[Job, str, str]) -> dict[str, Any]:
+    """Run a job: the task of a worker. What goes wrong with the run is in the answer."""
+    from ...simulation.run import run
+
+    job, library, _ = task
+    begun = perf_counter()
+    try:
+        outcome = run(plan_of(job, Path(library)), estimate=False)
+        if outcome.failure is not None:
+            return _failed(str(outcome.failure), begun)
+        return _looked_at(job, outcome, begun)
+    except InputError as error:
+        return {"unfit": str(error)}
+    except SimulationError as error:
+        return _failed(str(error), begun)
+    except Exception as error:
+        return _failed(f"{type(error).__name__}: {error}", begun)
+
+
+def plan_of(job: Job, library: Path) -> Plan:
+    """The checked plan of a job; `SceneError` with all that is wrong with it."""
+    from ...simulation.load import load
+
+    return load(job.scene, dict(job.changes), library, **job.options())
+
+
+def start_of(plan: Plan, key: str) -> float:
+    """Start value [SI] of a scene's `component.parameter`: the scene's own, or the FMU's."""
+    component, _, name = key.partition(".")
+    known = plan.starts[component].get(name, plan.interfaces[component].variables[name].start)
+    return float(known)  # type: ignore[arg-type]
+
+
+def answer_of(content: Mapping[str, Any]) -> Answer:
+    """The answer behind a worker's, or behind a file's JSON."""
+    rows = {str(n): np.asarray(values, dtype=float) for n, values in content["rows"].items()}
+    return Answer(
+        status=str(content["status"]),
+        reason=str(content["reason"]),
+        metrics={str(name): float(value) for name, value in content["metrics"].items()},
+        times=np.asarray(content["times"], dtype=float),
+        rows=rows,
+        wall_time=float(content["wall_time"]),
+        steps=int(content["steps"]),
+    )
+
+
+def _looked_at(job: Job, outcome: Any, begun: float) -> dict[str, Any]:
+    from ...results.metrics import metrics
+    from ...results.netcdf import dataset
+
+    plan = outcome.plan
+    data = dataset(outcome)
+    found = metrics(data, job.cycles or plan.scenario.metrics.cycles)
+    first = 0
+    if job.cycles and plan.frequency:
+        since = outcome.times[-1] - job.cycles / plan.frequency - 1e-9
+        first = int(np.searchsorted(outcome.times, since))
+    names = [n for n in outcome.names if any(n == p or fnmatchcase(n, p) for p in job.keep)]
+    return {
+        "status": "done",
+        "reason": "",
+        "metrics": {metric.name: metric.value for metric in found},
+        "times": _short(outcome.times[first:]) if names else [],
+        "rows": {name: _short(outcome.series(name)[first:]) for name in names},
+        "wall_time": perf_counter() - begun,
+        "steps": outcome.steps,
+    }
+
+
+def _short(values: NDArray[np.float64]) -> list[float]:
+    return [float(f"{value:.{DIGITS}g}") for value in values]
+
+
+def _failed(reason: str, begun: float) -> dict[str, Any]:
+    told = printable(reason.replace("\n", "; "), most=900)
+    empty: dict[str, Any] = {"metrics": {}, "times": [], "rows": {}, "steps": 0}
+    return {"status": "failed", "reason": told, "wall_time": perf_counter() - begun, **empty}
+
+
+def _file(path: Path) -> str:
+    """Digest of a file's content, read again when the file has changed."""
+    try:
+        state = path.stat()
+        return _digest(path, state.st_mtime_ns, state.st_size)
+    except OSError:
+        return "missing"
+
+
+@cache
+def _digest(path: Path, changed: int, size: int) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+@cache
+def _release() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("resilin")
+    except PackageNotFoundError:
+        return "unknown"

@@ -1,0 +1,245 @@
+"""A reproduction as a page: the summary on top, then each item with its rows and plots."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ...report.page import Notes, Page, Part, Section, Words
+from ...report.plot import Figure
+from ...report.table import Cell, Column, Table, Tone, quantity
+from .comparison import Item, Row
+from .published_values import MarkKind
+from .reproduction import Reproduction
+
+TONES: dict[MarkKind, Tone] = {
+    "predicted": "green",
+    "calibrated": "amber",
+    "undecidable": "blue",
+    "arithmetic": "grey",
+}
+MEANINGS: dict[MarkKind, str] = {
+    "predicted": "nothing of ours was fitted to this number",
+    "calibrated": "a parameter of ours was fitted to this number, or chosen with it in sight: its"
+    " error says nothing of the model",
+    "undecidable": "the text leaves open what was meant; the readings stand side by side",
+    "arithmetic": "follows from numbers that the paper prints, whatever the model",
+}
+LEFT_OUT = (
+    "Not here: figure 5, the test of material that gave the constants; curves of the experiments,"
+    " which are printed as pictures only."
+)
+DRAWN = "drawn.json"
+"""Digests of the figures whose pictures stand beside the page."""
+
+
+def page(found: Reproduction, library: Path) -> Page:
+    """The whole report."""
+    sections = [
+        Section("summary", "Summary", list(_summary(found))),
+        *(Section(item.key, item.title, list(_parts(item))) for item in found.items),
+    ]
+    facts = [
+        ("Resilin", _release()),
+        ("Parts", "compiled" if library.name == "native" else library.name),
+        ("Rows", str(sum(len(item.rows) for item in found.items))),
+    ]
+    lead = (
+        "C. Cao, S. Burgess, A. T. Conn: Toward a Dielectric Elastomer Resonator Driven Flapping"
+        " Wing Micro Air Vehicle, Frontiers in Robotics and AI, 2019. Its numbers beside those of"
+        " co-simulated FMUs, each with what ours rests on."
+    )
+    return Page("The paper, reproduced", lead, sections, facts)
+
+
+def pictures(found: Reproduction, folder: Path) -> list[Path]:
+    """PNG and SVG of every figure, those drawn again whose curves have changed."""
+    from ...report.image import draw
+
+    known = _drawn(folder / DRAWN)
+    made: list[Path] = []
+    for figure in figures(found):
+        paths = [folder / f"{figure.key}{suffix}" for suffix in (".png", ".svg")]
+        digest = _digest(figure)
+        if known.get(figure.key) != digest or not all(path.is_file() for path in paths):
+            known.pop(figure.key, None)
+            draw(figure, paths)
+            known[figure.key] = digest
+        made += paths
+    _remember(folder / DRAWN, known)
+    return made
+
+
+def figures(found: Reproduction) -> list[Figure]:
+    """All figures of a reproduction."""
+    return [figure for item in found.items for figure in item.figures]
+
+
+def facts(found: Reproduction) -> dict[str, Any]:
+    """The same for scripts."""
+    return {
+        "runs": found.ran,
+        "wall_time": found.wall_time,
+        "rows": [row.facts() for item in found.items for row in item.rows],
+        "failures": found.failures,
+        "curves": {figure.key: figure.data() for figure in figures(found)},
+        "tables": {
+            item.key: _plain(extra)
+            for item in found.items
+            for extra in item.extras
+            if isinstance(extra, Table)
+        },
+    }
+
+
+def texts(row: Row) -> tuple[str, str, str]:
+    """The paper's value, ours, and the error of ours, as they are shown."""
+    stated = row.number
+    unit = "" if stated.unit == "1" else f"\N{NO-BREAK SPACE}{stated.unit}"
+    paper = stated.value if isinstance(stated.value, str) else f"{stated.value:.4g}{unit}"
+    ours = row.ours if isinstance(row.ours, str) else f"{_number(row.ours / stated.scale)}{unit}"
+    if row.agrees is not None:
+        return paper, ours, "agrees" if row.agrees else "does not agree"
+    return (
+        paper,
+        ours,
+        f"{100.0 * row.error:+.1f}\N{NO-BREAK SPACE}%" if math.isfinite(row.error) else "",
+    )
+
+
+def _plain(table: Table) -> list[dict[str, float | str]]:
+    """A table for scripts: values where cells have them, else texts."""
+    titles = [column.title for column in table.columns]
+    cells = [[cell.text if cell.sort is None else cell.sort for cell in row] for row in table.rows]
+    return [dict(zip(titles, row, strict=True)) for row in cells]
+
+
+def _summary(found: Reproduction) -> Iterator[Part]:
+    if any(item.rows for item in found.items):
+        yield from _all_rows(found)
+    yield Words((LEFT_OUT,))
+    if found.failures:
+        yield Words(("Runs that stopped, and are left out of curves and peaks:",))
+        yield Notes(found.failures)
+
+
+def _all_rows(found: Reproduction) -> Iterator[Part]:
+    yield Words(
+        (
+            "Relative error is ours over the paper's, less one. Numerical error, in each item's own"
+            " table, is that of our stepping (from half the step) or of a peak's place (from the"
+            " frequencies beside it). The mark says what an error means:",
+        )
+    )
+    yield Notes([f"{kind}: {meaning}" for kind, meaning in MEANINGS.items()])
+    columns = [
+        Column("Item"), Column("Quantity"), Column("Paper", number=True),
+        Column("Ours", number=True), Column("Error", number=True), Column("Mark"),
+    ]  # fmt: skip
+    rows = [
+        [_item(item), Cell(row.number.quantity, note=row.reading), *_values(row), _mark(row)]
+        for item in found.items
+        for row in item.rows
+    ]
+    yield Table("All numbers; press a heading to sort", columns, rows)
+
+
+def _parts(item: Item) -> Iterator[Part]:
+    yield Words(item.words)
+    yield from item.figures
+    yield from item.extras
+    if not item.rows:
+        if item.failures:
+            yield Notes(item.failures)
+        return
+    columns = [
+        Column("Quantity"), Column("Paper", number=True), Column("Ours", number=True),
+        Column("Error", number=True), Column("Numerical error", number=True), Column("Mark"),
+        Column("Scene"), Column("Run time", number=True),
+    ]  # fmt: skip
+    rows = [
+        [
+            Cell(row.number.quantity, note=_told(row)),
+            *_values(row),
+            _doubt(row),
+            _mark(row, row.mark.basis),
+            Cell(row.scene or "-"),
+            quantity(row.wall_time, f"{row.wall_time:.2f} s") if row.scene and
+            math.isfinite(row.wall_time) else Cell("-"),
+        ]
+        for row in item.rows
+    ]  # fmt: skip
+    yield Table(f"{item.title}: numbers", columns, rows)
+    if item.failures:
+        yield Notes(item.failures)
+
+
+def _told(row: Row) -> str:
+    return "; ".join(text for text in (row.reading, f"paper: {row.number.where}") if text)
+
+
+def _item(item: Item) -> Cell:
+    return Cell(item.title.partition(":")[0], link=item.key)
+
+
+def _values(row: Row) -> list[Cell]:
+    """Paper, ours and the error, sorted by their values; a size counts, not a sign."""
+    stated, (paper, ours, error) = row.number, texts(row)
+    first = Cell(paper) if isinstance(stated.value, str) else quantity(float(stated.value), paper)
+    second = Cell(ours) if isinstance(row.ours, str) else quantity(row.ours / stated.scale, ours)
+    if row.agrees is not None:
+        tone: Tone = "green" if row.agrees else "red"
+        return [first, second, Cell(error, 0.0 if row.agrees else 1.0, tone)]
+    third = quantity(abs(row.error), error) if math.isfinite(row.error) else Cell("")
+    return [first, second, third]
+
+
+def _doubt(row: Row) -> Cell:
+    """Numerical error in the paper's unit: half step, or spacing of frequencies."""
+    if not math.isfinite(row.doubt) or isinstance(row.ours, str):
+        return Cell("-")
+    unit = "" if row.number.unit == "1" else f"\N{NO-BREAK SPACE}{row.number.unit}"
+    return quantity(row.doubt / row.number.scale, f"{row.doubt / row.number.scale:.2g}{unit}")
+
+
+def _mark(row: Row, note: str = "") -> Cell:
+    return Cell(row.mark.kind, tone=TONES[row.mark.kind], note=note)
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if math.isfinite(value) else "none found"
+
+
+def _release() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("resilin")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def _digest(figure: Figure) -> str:
+    told: Sequence[Any] = [figure.title, figure.data()]
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+def _drawn(path: Path) -> dict[str, str]:
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return {str(k): str(v) for k, v in found.items()} if isinstance(found, dict) else {}
+
+
+def _remember(path: Path, known: dict[str, str]) -> None:
+    waiting = path.with_name(f".{path.name}.part")
+    try:
+        waiting.write_text(json.dumps(known, indent=1), encoding="utf-8")
+        waiting.replace(path)
+    except OSError:
+        waiting.unlink(missing_ok=True)

@@ -1,0 +1,78 @@
+"""A way to step a scene: a master, and how much of the ports it is given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ...errors import InputError, nearest
+from ...scenario.plan import Plan, check
+from ...scenario.schema import Scenario
+from ...simulation.masters import MASTERS
+
+LAWS = ("held", "affine", "curvature")
+
+
+@dataclass(frozen=True)
+class Method:
+    """A master with as much of the ports as it is given.
+
+    `controlled` lets a tolerance choose the steps; `scene` names another scene that is stepped
+    in place of the one that is studied, for parts of another fidelity.
+    """
+
+    kind: str
+    laws: str
+    controlled: bool = False
+    scene: str = ""
+
+    def __str__(self) -> str:
+        label = f"{self.kind}, {self.laws}" + (", by tolerance" if self.controlled else "")
+        return f"{self.scene}: {label}" if self.scene else label
+
+
+def parse_method(text: str) -> Method:
+    """`gauss-seidel`, `jacobi/held`: a master, and how much of the ports it uses."""
+    kind, _, laws = text.partition("/")
+    if kind not in MASTERS:
+        raise InputError(f"--method {text!r}: no master {kind!r}; {nearest(kind, MASTERS)}")
+    if laws and laws not in LAWS:
+        raise InputError(f"--method {text!r}: no such use of laws; {nearest(laws, LAWS)}")
+    return Method(kind, laws or "curvature")
+
+
+def methods_for(plan: Plan) -> list[Method]:
+    """Every master that the units allow; with laws where the scene has any, and without."""
+    able = all(known.rollback for known in plan.interfaces.values())
+    lawful = any(c.input.order for c in plan.connections)
+    kinds = [name for name, master in MASTERS.items() if able or not master.needs_rollback]
+    used = [("curvature" if lawful else "held"), *(["held"] if lawful else [])]
+    return [Method(kind, laws) for laws in used for kind in kinds]
+
+
+def own(plan: Plan, *, controlled: bool = False, scene: str = "") -> Method:
+    """The method that a scene asks for itself."""
+    settings = plan.scenario.master
+    return Method(settings.kind, settings.laws, controlled, scene)
+
+
+def with_step(plan: Plan, method: Method, step: float, tolerance: float | None = None) -> Plan:
+    """The same scene by another method and with another step, recorded whole."""
+    scenario = plan.scenario
+    time = {"start": plan.grid.start, "stop": plan.grid.stop, "step": step, "tolerance": tolerance}
+    time["frequency"] = plan.frequency
+    changed = {
+        "time": time,
+        "master": {"kind": method.kind, "laws": method.laws, "order": plan.order},
+        "record": {**scenario.record.model_dump(), "every": 1},
+    }
+    merged = {**scenario.model_dump(by_alias=True), **changed}
+    return load_tree(merged, plan)
+
+
+def load_tree(tree: dict[str, Any], plan: Plan) -> Plan:
+    """A changed scene checked against the same FMUs."""
+    paths = {name: str(known.path.resolve()) for name, known in plan.interfaces.items()}
+    for name, component in tree["components"].items():
+        component["fmu" if component["data"] is None else "data"] = paths[name]
+    return check(Scenario.model_validate(tree), plan.path)

@@ -1,0 +1,121 @@
+"""A precision study as a table, a file for spreadsheets, a log-log picture and advice."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ...errors import printable
+from ..output_files import save_figure, write_records
+from .study import TARGETS, Rung, Study
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+MARKERS = "osd^v<>p*"
+
+
+def per_cycle(study: Study, rung: Rung) -> str:
+    """The step of a rung as steps per cycle, else as a time; or its tolerance."""
+    if rung.tolerance is not None:
+        return f"{rung.tolerance:.0e} tolerance"
+    if study.frequency:
+        return f"{1.0 / study.frequency / rung.step:.4g} per cycle"
+    return f"{rung.step:.4g} s"
+
+
+def table(study: Study) -> Table:
+    """Every rung: setting, error, order, what it cost, or why it did not run."""
+    from rich.table import Table
+
+    made = Table(title=printable(study.title), title_justify="left")
+    for label in ("method", "step", "error", "order", "wall time", "doStep calls", "rollbacks", ""):
+        made.add_column(label)
+    for rung in study.rungs:
+        done = rung.status == "done"
+        made.add_row(
+            str(rung.method),
+            per_cycle(study, rung),
+            f"{study.error(rung):.2e}" if done else "-",
+            "" if math.isnan(rung.order) else f"{rung.order:.2f}",
+            f"{rung.wall_time:.3f} s" if done else "-",
+            str(rung.calls),
+            str(rung.rollbacks),
+            "" if done else printable(rung.status, most=80),
+        )
+    return made
+
+
+def advice(study: Study) -> Iterator[str]:
+    """The cheapest setting for each of the usual errors."""
+    for target in TARGETS:
+        rung = study.cheapest(target)
+        if rung is None:
+            yield f"{target:.0e}: not reached"
+            continue
+        speed = study.simulated / rung.wall_time
+        yield (
+            f"{target:.0e}: {rung.method}, {per_cycle(study, rung)}: {study.error(rung):.1e},"
+            f" {speed:.1f} times real time"
+        )
+
+
+def facts(study: Study) -> list[dict[str, Any]]:
+    """One record for each rung and variable."""
+    records = []
+    for rung in study.rungs:
+        setting = {
+            "master": rung.method.kind,
+            "laws": rung.method.laws,
+            "scene": rung.method.scene,
+            "step": rung.step,
+            "tolerance": rung.tolerance,
+            "status": rung.status,
+            "wall_time": rung.wall_time,
+            "communication_steps": rung.steps,
+            "step_calls": rung.calls,
+            "rollbacks": rung.rollbacks,
+            "order": rung.order,
+        }
+        for name in rung.largest or {"": 0.0}:
+            errors = {"largest": rung.largest.get(name), "rms": rung.rms.get(name)}
+            records.append({**setting, "variable": name, **errors})
+    return records
+
+
+def write(study: Study, path: Path) -> Path:
+    """All records as CSV; a text that a spreadsheet would compute is quoted away."""
+    return write_records(facts(study), path)
+
+
+def draw(study: Study, path: Path) -> Path:
+    """Error over wall time and over the step, a curve for each method; failures at the top."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(1, 2, sharey=True, figsize=(10.0, 5.0))
+    methods = list(dict.fromkeys(rung.method for rung in study.rungs))
+    for k, method in enumerate(methods):
+        rungs = [r for r in study.rungs if r.method == method]
+        done = [r for r in rungs if r.status == "done" and study.error(r) > 0.0]
+        style = {"marker": MARKERS[k % len(MARKERS)], "color": f"C{k % 10}", "lw": 1.0, "ms": 4}
+        errors = [study.error(r) for r in done]
+        axes[0].loglog([r.wall_time for r in done], errors, label=str(method), **style)
+        axes[1].loglog([study.simulated / max(r.steps, 1) for r in done], errors, **style)
+        failed = [r.step for r in rungs if r.status != "done"]
+        axes[1].plot(failed, [1.0] * len(failed), "x", color=style["color"])
+    axes[0].set(xlabel="wall time (s)", ylabel=f"largest error of {', '.join(study.variables)}")
+    axes[1].set(xlabel="mean communication step (s); x: stopped")
+    for axis in axes:
+        axis.grid(visible=True, which="both", alpha=0.2)
+    floor = max((study.bound.get(name, 0.0) for name in study.variables), default=0.0)
+    if floor > 0.0:
+        axes[1].axhline(floor, color="k", ls=":", lw=0.8)
+    axes[0].legend(fontsize=7)
+    figure.suptitle(printable(study.title).replace("$", r"\$"), fontsize=10)
+    figure.tight_layout()
+    return save_figure(figure, path, 120)

@@ -1,0 +1,1 @@
+"""Solutions that other runs are held against."""

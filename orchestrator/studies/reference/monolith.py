@@ -1,0 +1,94 @@
+"""A scene made of our parts as its own monolithic reference.
+
+The part `monolith` composes the same physics as one ODE under the same names; a scene is its
+own reference once that part stands in place of all others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from ...errors import SceneError
+from ...fmi.description import read_interface
+from ...results.outcome import Outcome
+from ...scenario.files import is_file
+from ...scenario.plan import LIBRARY, Plan, check, fmu_path
+from ...scenario.schema import Component, Master, Record, Scenario
+
+MONOLITH = "monolith"
+
+
+def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
+    """Plan of the same scene solved as one ODE.
+
+    Raises `SceneError` where a component is no part that the monolith is made of, where two
+    are the same part, or where an input is held at anything but zero: such a scene needs
+    another reference.
+    """
+    scenario = plan.scenario
+    home = _home(library)
+    parts = {name: plan.interfaces[name].path.stem for name in plan.order}
+    probe = read_interface(fmu_path(MONOLITH, plan.path, home))
+    known = {name.partition(".")[0] for name in probe.variables if "." in name}
+    for name, part in parts.items():
+        if part not in known or plan.interfaces[name].path != fmu_path(part, plan.path, library):
+            raise SceneError(f"{plan.path}: components.{name}: not a part of the monolith")
+    if len(set(parts.values())) != len(parts):
+        raise SceneError(f"{plan.path}: components: two of one part have no monolith")
+    for key, value in plan.held.items():
+        if value != 0.0:
+            raise SceneError(f"{plan.path}: hold.{key}: the monolith holds it at zero")
+    start = {
+        f"{part}.{key}": value
+        for name, part in parts.items()
+        for key, value in scenario.components[name].start.items()
+    }
+    start["elasticity"] = "membrane" if "membrane" in parts.values() else "spring"
+    start["mechanism"] = "linkage" if "linkage" in parts.values() else "payload"
+    start["wings"] = "aero" if "aero" in parts.values() else "none"
+    return _renamed(scenario, plan, start, home)
+
+
+def _home(library: Path) -> Path:
+    """Folder of the monolith: native parts, which it has no form of, take that of their sibling."""
+    sibling = library.with_name(LIBRARY.name)
+    if is_file(library / f"{MONOLITH}.fmu") or not is_file(sibling / f"{MONOLITH}.fmu"):
+        return library
+    return sibling
+
+
+def _renamed(
+    scenario: Scenario, plan: Plan, start: dict[str, float | str | bool], library: Path
+) -> Plan:
+    """Plan of the monolith that records what the scene records."""
+    parts = {name: plan.interfaces[name].path.stem for name in plan.order}
+    records = [f"{MONOLITH}.{parts[c]}.{v.name}" for c, v in plan.records]
+    single = scenario.model_copy(
+        update={
+            "components": {MONOLITH: Component(fmu=MONOLITH, start=start)},
+            "wires": [],
+            "hold": _held(MONOLITH),
+            "record": Record(variables=records),
+            "master": Master(),
+            "time": scenario.time.model_copy(update={"frequency": plan.frequency}),
+        }
+    )
+    return replace(check(single, plan.path, library), frequency=plan.frequency)
+
+
+def _held(name: str) -> dict[str, float | str]:
+    return {
+        f"{name}.amplifier.command.top": 0.0,
+        f"{name}.amplifier.command.bottom": 0.0,
+    }
+
+
+def as_recorded(reference: Outcome, plan: Plan) -> Outcome:
+    """The monolith's outcome under the names that the scene's components have."""
+    names = {plan.interfaces[name].path.stem: name for name in plan.order}
+    renamed = []
+    for name in reference.names:
+        _, part, variable = name.split(".", 2)
+        renamed.append(f"{names[part]}.{variable}")
+    return replace(reference, names=renamed)

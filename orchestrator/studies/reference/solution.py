@@ -1,0 +1,143 @@
+"""What a run is measured by: a reference, and the errors against it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError, SceneError, SimulationError, nearest
+from ...results.outcome import Outcome
+from ...scenario.plan import Plan
+from ...simulation.interrupt import Interrupt
+from ...simulation.run import replay, run
+from ..precision.method import Method, with_step
+from .monolith import as_recorded, monolithic
+
+Reference = Literal["monolith", "self"]
+
+
+@dataclass(frozen=True)
+class Yardstick:
+    """A reference solution of a scene; `bound` is that of its own error, where that is known.
+
+    `single` is the scene's monolith where it has one. It is solved again where a run
+    communicates at points of its own; else the solution is interpolated by cubic splines.
+    """
+
+    exact: Outcome
+    name: str
+    bound: dict[str, float] = field(default_factory=dict)
+    single: Plan | None = None
+    plan: Plan | None = None
+
+    def errors(
+        self, done: Outcome, interrupt: Interrupt | None = None
+    ) -> tuple[dict[str, float], dict[str, float]]:
+        """Largest and root-mean-square error of each variable of a run, relative.
+
+        By the largest magnitude that the reference has; over the times that both have.
+        """
+        exact = self.exact
+        if done.plan.scenario.time.tolerance is not None:
+            exact = self._at(done.points, interrupt)
+        return errors(done, exact)
+
+    def _at(self, points: Sequence[float], interrupt: Interrupt | None) -> Outcome:
+        if self.single is not None and self.plan is not None:
+            return as_recorded(_whole(replay(self.single, points, interrupt)), self.plan)
+        from scipy.interpolate import CubicSpline
+
+        times = np.asarray(points, dtype=float)
+        return replace(
+            self.exact, times=times, rows=CubicSpline(self.exact.times, self.exact.rows)(times)
+        )
+
+
+def errors(done: Outcome, exact: Outcome) -> tuple[dict[str, float], dict[str, float]]:
+    """Largest and root-mean-square error of what two runs share, relative to the second's peak."""
+    mine, theirs = common(done.times, exact.times)
+    largest, rms = {}, {}
+    for name in (name for name in exact.names if name in done.names):
+        wanted = exact.series(name)
+        off = done.series(name)[mine] - wanted[theirs]
+        size = float(np.abs(wanted).max(initial=0.0)) or 1.0
+        largest[name] = float(np.abs(off).max(initial=0.0)) / size
+        rms[name] = float(np.sqrt(np.mean(off * off))) / size
+    return largest, rms
+
+
+def common(
+    one: NDArray[np.float64], other: NDArray[np.float64]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Places of the times that two runs share, up to rounding."""
+    grain = 1e-9 * max(float(one[-1] - one[0]), 1e-300)
+    near = np.searchsorted(other, one - grain)
+    near = np.minimum(near, len(other) - 1)
+    same = np.abs(other[near] - one) <= grain
+    return np.flatnonzero(same), near[same]
+
+
+def yardstick(
+    plan: Plan,
+    library: Path,
+    wanted: Reference | None = None,
+    finest: float = 1.0,
+    interrupt: Interrupt | None = None,
+) -> Yardstick:
+    """The monolith at the scene's communication points; else the scene by itself.
+
+    Then it is iterated, or by Gauss-Seidel where that does not settle, at a quarter of the
+    `finest` of the steps to be measured, given as a multiple of the scene's, and bounded by its
+    distance from half that fineness. Raises `SceneError` where a monolith is wanted and there
+    is none, `SimulationError` where the reference itself cannot be calculated.
+    """
+    if wanted != "self":
+        try:
+            single = monolithic(plan, library)
+        except SceneError:
+            if wanted == "monolith":
+                raise
+        else:
+            points = [plan.grid.point(k) for k in range(plan.grid.count + 1)]
+            exact = as_recorded(_whole(replay(single, points, interrupt)), plan)
+            return Yardstick(exact, "the monolith, DOP853 at 1e-10", {}, single, plan)
+    able = all(known.rollback for known in plan.interfaces.values())
+    try:
+        return _itself(plan, "iterative" if able else "gauss-seidel", finest, interrupt)
+    except SimulationError:
+        if not able:
+            raise
+    return _itself(plan, "gauss-seidel", finest, interrupt)
+
+
+def _itself(plan: Plan, kind: str, finest: float, interrupt: Interrupt | None) -> Yardstick:
+    """The scene at a quarter of the finest step, bounded by its distance from half of that."""
+    method = Method(kind, plan.scenario.master.laws)
+    fine, finer = (
+        _whole(run(with_step(plan, method, share * finest * plan.grid.step), interrupt=interrupt))
+        for share in (0.5, 0.25)
+    )
+    bound, _ = errors(fine, finer)
+    return Yardstick(finer, f"itself by {method} at a quarter of the finest step", bound)
+
+
+def _whole(outcome: Outcome) -> Outcome:
+    if outcome.failure is not None:
+        raise outcome.failure
+    return outcome
+
+
+def leading(plan: Plan, exact: Outcome, variables: Iterable[str] | None = None) -> list[str]:
+    """Variables whose errors count: those named, else those that lead in the scene."""
+    if variables:
+        for name in variables:
+            if name not in exact.names:
+                hint = nearest(name, exact.names)
+                raise InputError(f"--variable {name!r}: is not recorded; {hint}")
+        return list(variables)
+    return plan.leading

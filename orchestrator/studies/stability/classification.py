@@ -1,0 +1,64 @@
+"""What became of one run of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ...results.outcome import Outcome
+from ...simulation.run import estimated
+from ...simulation.summary import warnings
+
+ACCURATE = 1e-2
+"""Largest relative error of the leading variables of a run that is taken for accurate."""
+
+HONEST = 1.0 / 3.0
+"""Share of the true error that an estimate has to reach to have told of it."""
+
+CLASSES = {
+    "accurate": f"error at most {ACCURATE:.0%}",
+    "inaccurate": "bounded, and the run says that it is wrong",
+    "stopped": "ended by an error that names unit, place and time",
+    "silent": "wrong, and nothing says so",
+    "late": "not finished within its patience",
+}
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run: case, master, use of laws, steps in a cycle; its class, and why.
+
+    `error` is the largest relative one of the leading variables; `told` what a run that is
+    wrong says of itself: the energy audit's warning, its error estimate, or nothing.
+    `usual` marks the scene's own master and step, `auto` the step that is found for it.
+    """
+
+    case: str
+    master: str
+    laws: str
+    per_cycle: int
+    kind: str
+    error: float | None = None
+    told: str = ""
+    reason: str = ""
+    wall_time: float = 0.0
+    calls: int = 0
+    usual: bool = False
+    auto: bool = False
+
+
+def judged(done: Outcome, error: float, names: Iterable[str]) -> tuple[str, str]:
+    """Class of a run that went to its end, and what it tells of its error.
+
+    An inaccurate run is asked for its estimate, at twice its cost, unless the energy audit
+    has warned of it.
+    """
+    if error <= ACCURATE:
+        return "accurate", ""
+    if any(" of the energy that it exchanges" in text for text in warnings(done)):
+        return "inaccurate", "audit"
+    found = estimated(done)
+    if found.estimates is None:
+        return ("inaccurate", "estimate") if found.doubt else ("silent", "")
+    estimate = max((found.estimates[name].relative for name in names), default=0.0)
+    return ("inaccurate", "estimate") if estimate >= HONEST * error else ("silent", "")

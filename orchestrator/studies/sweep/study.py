@@ -1,0 +1,243 @@
+"""A scene over ranges of its start values: one run a point, on as many processes as there are.
+
+Each finished point is on disk at once, in `TARGET.points`, so that a sweep that was stopped or
+killed goes on where it was. At the end all points stand in one labelled netCDF file.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ...errors import InputError, OutputError, SimulationError, nearest
+from ...scenario.files import scene_names, scene_path
+from ...scenario.plan import LIBRARY
+from ...simulation.interrupt import Interrupt, Interrupted
+from ..workers.pool import Answer, Crew, Lost
+from .axes import Axis, check_axes, parse_axis
+from .checkpoint import Folder, record_of
+from .peak import FINEST, Peak, middles, peak_of, spacing
+from .points import Grid, Point, Record, Setting, calculate, planned, point_at
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Axis", "parse_axis", "sweep"]
+
+Check = Callable[[], None]
+
+
+def sweep(
+    scene: str | Path,
+    axes: Sequence[Axis],
+    library: Path = LIBRARY,
+    target: Path = Path("results") / "sweep.nc",
+    *,
+    changes: Mapping[str, str] | None = None,
+    options: Mapping[str, Any] | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    patience: float | None = None,
+    refine: str | None = None,
+    keep: bool = False,
+    progress: bool | None = None,
+    interrupt: Interrupt | None = None,
+) -> xarray.Dataset:
+    """Run a scene at every point of the axes' product; its metrics over dimension `point`.
+
+    `changes` and `options` hold for all points, as for :func:`orchestrator.simulation.load.load`.
+    Points run on `workers` processes here, as many as processors by default, or on those of a
+    dask `scheduler`. A run that stops, kills its worker twice or takes longer than `patience`
+    seconds is `failed`, with its reason; it costs no other point. With `refine`, the name of a
+    metric, the gaps beside its largest value on the one axis are bisected down to 1/8 of the
+    grid's, or until the top of the parabola through the peak changes by less than 1e-3.
+
+    The result is written to `target`. A sweep that is interrupted, or loses its scheduler, leaves
+    `TARGET.partial.nc` with `missing` points, and goes on from `TARGET.points` the next time:
+    points of another scene, FMU or version of Resilin are not taken over. `keep` leaves that
+    folder after a whole sweep. Raises `InputError` with all problems before anything runs.
+    """
+    from ...results.netcdf import clear, prepare
+
+    common = dict(changes or {})
+    check_axes(axes, common)
+    _check_numbers(workers, patience)
+    if refine is not None:
+        _check_line(axes)
+    check: Check = interrupt.check if interrupt is not None else _nothing
+    setting = Setting(_place_of(scene), str(library.absolute()), common, dict(options or {}))
+    grid = planned(setting, axes, check)
+    if refine is not None and not grid.coordinates[0].numeric:
+        raise InputError(f"refine: {axes[0].name} takes texts, and there is nothing between them")
+    prepare(target)
+    with (
+        Folder(target) as folder,
+        Crew(calculate, workers, scheduler, patience) as crew,
+        _bar(bool(progress)) as told,
+    ):
+        clear(target)
+        study = _Study(grid, folder, crew, refine, check, told)
+        return study.carried_out(target, keep)
+
+
+class _Study:
+    """The points of one sweep and what is known of them so far."""
+
+    def __init__(
+        self,
+        grid: Grid,
+        folder: Folder,
+        crew: Crew[Point],
+        refine: str | None,
+        check: Check,
+        told: Callable[[int, int], None],
+    ) -> None:
+        self._grid = grid
+        self._folder = folder
+        self._crew = crew
+        self._refine = refine
+        self._check = check
+        self._told = told
+        self._points = list(grid.points)
+        self._records: dict[str, Record] = {}
+        self._peak: Peak | None = None
+
+    def carried_out(self, target: Path, keep: bool) -> xarray.Dataset:
+        """Run what is not known yet, refine, and write all of it to one file."""
+        try:
+            self._run(self._points)
+            if self._refine is not None:
+                self._find_peak(self._refine)
+        except Interrupted as error:
+            self._keep(target, str(error))
+            raise
+        except (InputError, SimulationError) as error:
+            self._keep(target, str(error))
+            raise type(error)(f"{error}{self._kept()}") from None
+        data = self._written(target, "")
+        if not keep:
+            self._folder.remove()
+        return data
+
+    def _run(self, points: Sequence[Point]) -> None:
+        """Have a record of every point: from an earlier sweep, or from a worker."""
+        known = {point.key: self._folder.read(point) for point in points}
+        self._records |= {key: record for key, record in known.items() if record is not None}
+        self._told(len(self._records), len(self._points))
+        waiting = [point for point in points if known[point.key] is None]
+        for point, answer in self._crew.answers(waiting, self._check):
+            record = _record(answer)
+            self._folder.write(point, record)
+            self._records[point.key] = record
+            self._told(len(self._records), len(self._points))
+
+    def _find_peak(self, metric: str) -> None:
+        """Add points beside the largest value of a metric, until they tell nothing new."""
+        axis = self._grid.coordinates[0]
+        self._check_known(metric)
+        finest = FINEST * spacing(self._values(metric))
+        while True:
+            values, before = self._values(metric), self._peak
+            self._peak = peak = peak_of(values)
+            if peak is None:
+                return
+            if before is not None and peak.like(before, finest):
+                return
+            more = [self._at(place) for place in middles(values, finest, whole=axis.whole)]
+            if not more:
+                return
+            self._points = sorted([*self._points, *more], key=lambda point: point.place)
+            self._run(more)
+
+    def _values(self, metric: str) -> dict[float, float]:
+        """A metric over the axis; NaN where a point has none."""
+        values = {}
+        for point in self._points:
+            record = self._records.get(point.key)
+            value = record.metric(metric) if record is not None else None
+            values[float(point.place[0])] = math.nan if value is None else value
+        return values
+
+    def _check_known(self, metric: str) -> None:
+        names = {name for record in self._records.values() for name, _, _ in record.metrics}
+        if names and metric not in names:
+            raise InputError(f"no metric {metric!r} to refine; {nearest(metric, names)}")
+
+    def _at(self, place: float) -> Point:
+        """A point between those of the grid."""
+        axis, setting = self._grid.coordinates[0], self._grid.setting
+        text = repr(place) if axis.unit == "1" else f"{place!r} {axis.unit}"
+        return point_at(setting, (axis.name,), (text,))[1]
+
+    def _written(self, target: Path, reason: str) -> xarray.Dataset:
+        from .dataset import collected, write
+
+        data = collected(self._grid, self._points, self._records, reason)
+        if self._peak is not None:
+            found = {"refined": self._refine, "peak_at": self._peak.at, "peak": self._peak.value}
+            data.attrs |= found
+        write(data, target)
+        return data
+
+    def _keep(self, target: Path, reason: str) -> None:
+        """Write what there is; where that fails too, the points are in their folder."""
+        if self._records:
+            with suppress(OutputError):
+                self._written(target, reason)
+
+    def _kept(self) -> str:
+        """What an error says of the points that are on disk."""
+        if not self._records:
+            return ""
+        return (
+            f"; {len(self._records)} of {len(self._points)} points are kept in"
+            f" {self._folder.path}; the same sweep goes on from there"
+        )
+
+
+def _record(answer: Answer | Lost) -> Record:
+    if isinstance(answer, Lost):
+        return Record("failed", answer.reason)
+    return record_of(answer)
+
+
+def _place_of(scene: str | Path) -> str:
+    """A shipped scene by its name, any other by a path that holds wherever a worker runs."""
+    name = str(scene)
+    return name if name in scene_names() else str(scene_path(name).absolute())
+
+
+def _check_numbers(workers: int | None, patience: float | None) -> None:
+    if workers is not None and workers < 1:
+        raise InputError(f"workers: {workers} cannot do anything; give at least 1")
+    if patience is not None and not patience > 0.0:
+        raise InputError(f"patience: {patience:g} s is no time; give more, or leave it out")
+
+
+def _check_line(axes: Sequence[Axis]) -> None:
+    """Refuse to look for a peak where there is no line of points to have one."""
+    if len(axes) != 1:
+        raise InputError("refine: takes a sweep over one axis; sweep the others one by one")
+    if len(axes[0].values) < 3:
+        raise InputError(f"refine: {axes[0].name} has fewer than three values; give more")
+
+
+def _nothing() -> None:
+    """No interrupts to look for."""
+
+
+@contextmanager
+def _bar(show: bool) -> Iterator[Callable[[int, int], None]]:
+    """A bar on the terminal that is told points done and points in all."""
+    if not show:
+        yield lambda done, total: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("points", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -1,0 +1,1 @@
+"""Processes that carry the runs of a study."""

@@ -1,0 +1,210 @@
+"""Worker processes of dask.distributed: started here on loopback, or found at an address."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import os
+import signal
+import sys
+import tempfile
+import warnings
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from ...errors import InputError, SimulationError, printable
+
+Client = Any
+"""A `distributed.Client`, which says nothing of its types."""
+
+HOST = "127.0.0.1"
+CONNECTING = 10.0
+"""Seconds that a scheduler gets to answer."""
+
+SETTINGS: dict[str, Any] = {
+    "distributed.scheduler.allowed-failures": 0,
+    "distributed.scheduler.worker-saturation": 1.0,
+    "distributed.scheduler.work-stealing": False,
+    "distributed.scheduler.worker-ttl": None,
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+    "distributed.worker.profile.enabled": False,
+    "distributed.worker.memory.target": False,
+    "distributed.worker.memory.spill": False,
+    "distributed.worker.memory.pause": False,
+}
+"""A task that loses its worker comes back at once; a worker that is busy or large is let be."""
+
+PRELOADED = [
+    "orchestrator.simulation.load",
+    "orchestrator.simulation.run",
+    "orchestrator.results.metrics",
+    "xarray",
+]
+"""What a worker imports before it reports for work, so that no point waits for it."""
+
+LOGGERS = ("distributed", "distributed.client", "tornado.application")
+IN_TERMINAL = {"SIGINT", "SIGHUP"}
+"""Signals that a terminal sends to workers too, where they are for the sweep alone."""
+
+
+@contextlib.contextmanager
+def local(count: int) -> Iterator[Client]:
+    """A client of `count` worker processes of one thread each, on loopback, without dashboard.
+
+    They leave nothing behind: their temporary files share one folder, and at the end they are
+    killed, so that no FMU's library takes down an interpreter.
+    """
+    import dask
+
+    distributed = _distributed()
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(_quiet())
+        stack.enter_context(_same_environment())
+        stack.enter_context(dask.config.set(SETTINGS))
+        made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
+        scratch = stack.enter_context(made)
+        try:
+            with _signals_kept_from_children():
+                cluster = distributed.LocalCluster(
+                    n_workers=count,
+                    threads_per_worker=1,
+                    processes=True,
+                    host=HOST,
+                    scheduler_kwargs={"dashboard": False, "dashboard_address": f"{HOST}:0"},
+                    silence_logs=logging.CRITICAL,
+                    local_directory=scratch,
+                    env={"TMPDIR": scratch},
+                    preload=PRELOADED,
+                )
+        except (OSError, RuntimeError) as error:
+            raise SimulationError(
+                f"no worker processes can be started: {error} A script that sweeps is a file, and"
+                " does so below `if __name__ == '__main__':`"
+            ) from None
+        stack.callback(_close, cluster)
+        client = stack.enter_context(distributed.Client(cluster, set_as_default=False))
+        stack.callback(_end_all, client)
+        yield client
+
+
+@contextlib.contextmanager
+def remote(address: str) -> Iterator[Client]:
+    """A client of a running scheduler; its workers are left as they are."""
+    distributed = _distributed()
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(_quiet())
+        try:
+            with ThreadPoolExecutor(1) as beside:  # there may be an event loop here, as in Jupyter
+                beside.submit(asyncio.run, _answers(address)).result()
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # other versions of packages: results tell
+                client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            raise InputError(
+                f"scheduler {printable(address)!r}: no answer ({_said(error)}); start one with"
+                " `dask scheduler`, write it as tcp://host:8786, or leave it out to work on this"
+                " machine"
+            ) from None
+        stack.enter_context(client)
+        yield client
+
+
+async def _answers(address: str) -> None:
+    """Ask a scheduler who it is: a client would wait for ever for one that says nothing."""
+    distributed = _distributed()
+    secured = distributed.Security().get_connection_args("client")
+    scheduler = distributed.rpc(address, connection_args=secured)
+    try:
+        await asyncio.wait_for(scheduler.identity(), CONNECTING)
+    finally:
+        await scheduler.close_rpc()
+
+
+def _said(error: Exception) -> str:
+    return printable(str(error)) or f"nothing within {CONNECTING:g} s"
+
+
+def _distributed() -> Any:
+    """The package, imported when it is needed: it takes as long as all the others."""
+    import distributed
+
+    return distributed
+
+
+def end(client: Client, address: str) -> None:
+    """Kill a worker process by way of its nanny, which starts another; without one, nothing."""
+    with contextlib.suppress(Exception):
+        client.run(_kill, nanny=True, workers=[address])
+
+
+def _close(cluster: Any) -> None:
+    """Close a cluster whose workers are killed; how long they take to go is nobody's concern."""
+    with contextlib.suppress(OSError, TimeoutError, RuntimeError):
+        cluster.close()
+
+
+def _end_all(client: Client) -> None:
+    with contextlib.suppress(Exception):
+        client.run(_kill_for_good, nanny=True, on_error="ignore")
+
+
+def _kill(dask_worker: Any) -> None:
+    """End the worker process of a nanny; runs in the nanny."""
+    if dask_worker.pid is not None:
+        os.kill(dask_worker.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
+
+
+def _kill_for_good(dask_worker: Any) -> None:
+    dask_worker.close_gracefully()
+    _kill(dask_worker)
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Nothing on standard error from the machinery: what matters is told as errors."""
+    _distributed()  # sets the levels that are put back
+    loggers = [logging.getLogger(name) for name in LOGGERS]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+@contextlib.contextmanager
+def _same_environment() -> Iterator[None]:
+    """Undo what starting workers sets in this process's environment."""
+    before = dict(os.environ)
+    try:
+        yield
+    finally:
+        for name in [name for name in os.environ if name not in before]:
+            del os.environ[name]
+        os.environ.update(before)
+
+
+@contextlib.contextmanager
+def _signals_kept_from_children() -> Iterator[None]:
+    """Block Ctrl-C while threads start: they and the processes they start never see it."""
+    if sys.platform == "win32":
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # starts on its own otherwise, and unblocks Ctrl-C again
+    held = {number for number in signal.valid_signals() if _name(number) in IN_TERMINAL}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, held)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _name(number: int) -> str:
+    return number.name if isinstance(number, signal.Signals) else ""

@@ -1,0 +1,167 @@
+"""The command as a user sees it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+import xarray
+from typer.testing import CliRunner
+
+from orchestrator.cli import app
+from orchestrator.scenario.files import scene_names, scene_path
+
+runner = CliRunner()
+
+
+def test_run_writes_result_picture_and_table(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out" / "flap.nc"
+    done = runner.invoke(
+        app,
+        ["run", "oscillator-1", "--output", str(target), "--fmus", str(library)],
+    )
+    assert done.exit_code == 0, done.output
+    assert "travel" in done.output
+    assert sorted(p.name for p in target.parent.iterdir()) == ["flap.nc", "flap.png"]
+    with xarray.open_dataset(target) as data:
+        assert "payload.displacement" in data
+
+
+def test_set_changes_a_start_value(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "flap.nc"
+    options = ["--fmus", str(library), "--no-picture", "--quiet", "--set", "payload.mass=3 g"]
+    done = runner.invoke(app, ["run", "oscillator-1", "--output", str(target), *options])
+    assert done.exit_code == 0, done.output
+    assert done.output == ""
+    with xarray.open_dataset(target) as data:
+        assert "3 g" in data.attrs["scene"]
+
+
+def test_a_failed_run_leaves_a_partial_file_only(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "flap.nc"
+    target.write_text("an earlier result")
+    options = ["--fmus", str(library), "--set", "payload.start_velocity=9000"]
+    done = runner.invoke(app, ["run", "oscillator-1", "--output", str(target), *options])
+    assert done.exit_code == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["flap.partial.nc"]
+
+
+def test_scenes_are_listed() -> None:
+    done = runner.invoke(app, ["scenes"])
+    assert done.exit_code == 0
+    assert "flapping-full-wings" in done.output
+
+
+def test_build_is_the_builder(tmp_path: Path) -> None:
+    done = runner.invoke(app, ["build", "payload", "--into", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "payload.fmu").is_file()
+    wrong = runner.invoke(app, ["build", "payloda", "--into", str(tmp_path)])
+    assert wrong.exit_code == 2
+    assert "did you mean 'payload'" in wrong.output
+
+
+def test_help_is_light() -> None:
+    """`run --help` loads neither plotting nor arrays nor FMU machinery."""
+    heavy = ("matplotlib", "xarray", "numpy", "scipy", "fmpy", "pint", "control")
+    code = (
+        "import sys\n"
+        "sys.argv = ['resilin', 'run', '--help']\n"
+        "from orchestrator.cli import main\n"
+        "try:\n    main()\nexcept SystemExit:\n    pass\n"
+        f"print([m for m in {heavy!r} if m in sys.modules], file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "Example:" in done.stdout
+    assert done.stderr.strip() == "[]"
+
+
+def test_inspect_shows_what_is_wired_and_held(library: Path) -> None:
+    done = runner.invoke(app, ["inspect", "flapping-no-wing", "--fmus", str(library)])
+    assert done.exit_code == 0, done.output
+    for word in ("amplifier", "linkage.force", "linkage.load.torque", "0.000588"):
+        assert word in done.output
+    wrong = runner.invoke(app, ["inspect", "flapping-no-wings", "--fmus", str(library)])
+    assert wrong.exit_code == 2
+    assert "did you mean 'flapping-no-wing'" in wrong.output
+
+
+def test_json_for_scripts(library: Path, tmp_path: Path) -> None:
+    options = ["--fmus", str(library), "--stop", "4 cycles", "--step", "40 per cycle", "--json"]
+    target = ["--output", str(tmp_path / "a.nc"), "--estimate"]
+    done = runner.invoke(app, ["run", "oscillator-1", *options, *target])
+    assert done.exit_code == 0, done.output
+    facts = json.loads(done.stdout)
+    assert facts["communication_steps"] == 160
+    assert facts["metrics"]["travel"]["unit"] == "m"
+    assert facts["estimated_relative_error"]["payload.displacement"] < 1e-2
+    assert facts["coupling_energies"]["spring.force -> payload.force"]["exchanged"] > 0.0
+    shown = runner.invoke(app, ["inspect", "oscillator-1", "--fmus", str(library), "--json"])
+    assert json.loads(shown.stdout)["loops"] == [["amplifier", "spring", "payload"]]
+
+
+def test_plot_draws_what_matches(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "a.nc"
+    options = ["--fmus", str(library), "--quiet", "--no-picture", "--stop", "4 cycles"]
+    runner.invoke(app, ["run", "oscillator-1", "--output", str(target), *options])
+    done = runner.invoke(
+        app, ["plot", str(target), "--variable", "*_energy", "--output", str(tmp_path / "e.svg")]
+    )
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "e.svg").read_text().startswith("<?xml")
+    wrong = runner.invoke(app, ["plot", str(target), "--variable", "payload.displacment"])
+    assert wrong.exit_code == 2
+    assert "did you mean 'payload.displacement'" in wrong.output
+    for bad in ("e.docx", "none/e.png"):
+        refused = runner.invoke(app, ["plot", str(target), "--output", str(tmp_path / bad)])
+        assert refused.exit_code == 2, refused.output
+        assert "cannot be drawn" in refused.output
+    assert runner.invoke(app, ["plot", str(tmp_path / "none.nc")]).exit_code == 2
+
+
+def test_schema_accepts_every_shipped_scene() -> None:
+    """The schema is for editors, so it has to fit the scenes that there are."""
+    schema = json.loads(runner.invoke(app, ["schema"]).stdout)
+    for name in scene_names():
+        tree = tomllib.loads(scene_path(name).read_text(encoding="utf-8"))
+        jsonschema.validate(tree, schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"tiem": {}}, schema)
+
+
+def test_warnings_are_shown(library: Path, tmp_path: Path) -> None:
+    options = ["--fmus", str(library), "--no-picture", "--verbose"]
+    options += ["--laws", "held", "--master", "gauss-seidel"]
+    target = ["--output", str(tmp_path / "a.nc")]
+    done = runner.invoke(app, ["run", "oscillator-1", *options, *target, "--stop", "10 cycles"])
+    assert done.exit_code == 0, done.output
+    assert "warning: spring.force -> payload.force creates" in done.output
+    assert "rollbacks" in done.output
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run",
+        "sweep",
+        "precision",
+        "stability",
+        "linearise",
+        "calibrate",
+        "paper",
+        "inspect",
+        "plot",
+        "record",
+        "recover",
+        "schema",
+    ],
+)
+def test_every_command_shows_an_example(command: str) -> None:
+    done = runner.invoke(app, [command, "--help"])
+    assert done.exit_code == 0
+    assert f"resilin {command}" in done.output

@@ -1,0 +1,175 @@
+"""The pages in a real browser: no error, no request, readable when narrow, keyboard and contrast.
+
+Skipped where no Chromium is installed.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from orchestrator.report.page import write
+from orchestrator.studies.paper.animation import flight
+from orchestrator.studies.paper.cached_runs import Lab
+from orchestrator.studies.paper.figure7 import figure7
+from orchestrator.studies.paper.figure13 import figure13
+from orchestrator.studies.paper.page import figures, page
+from orchestrator.studies.paper.reproduction import Reproduction
+from orchestrator.studies.paper.store import Store
+
+CHROMIUM = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
+WIDTHS = (400, 1600)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as driver:
+        made = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield made
+        made.close()
+
+
+@pytest.fixture(scope="module")
+def found(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Reproduction:
+    """A report of a few runs with all kinds of parts: tables, plots, the animation."""
+    with Lab(library, Store(tmp_path_factory.mktemp("runs")), workers=1) as lab:
+        return Reproduction([figure7(lab), figure13(lab), flight(lab)], 0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def report(found: Reproduction, library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(page(found, library), tmp_path_factory.mktemp("page") / "report.html")
+
+
+@pytest.fixture
+def opened(browser: Browser, report: Path) -> Iterator[Page]:
+    """The report at rest, with whatever went wrong or was asked for on `page.told`."""
+    context = browser.new_context(viewport={"width": 1600, "height": 1000})
+    made = context.new_page()
+    told = watched(made)
+    made.goto(report.as_uri())
+    made.wait_for_selector(".plot .curve", state="attached")
+    yield made
+    context.close()
+    assert told == [report.as_uri()]
+
+
+def watched(made: Page) -> list[str]:
+    """Requests, errors and messages of a page, as they come."""
+    told: list[str] = []
+    made.on("request", lambda request: told.append(request.url))
+    made.on("console", lambda message: told.append(f"console: {message.text}"))
+    made.on("pageerror", lambda error: told.append(f"error: {error}"))
+    return told
+
+
+def test_every_plot_is_drawn(opened: Page, found: Reproduction) -> None:
+    plots = [plot for figure in figures(found) for plot in figure.plots]
+    films = [extra for item in found.items for extra in item.extras]
+    plots += [plot for film in films for plot in film.plots]  # type: ignore[union-attr]
+    wanted = sum(len(plot.curves) for plot in plots)
+    lines = opened.locator("g > path.curve, g > path.stated")
+    assert opened.locator(".plot:not(.view)").count() == len(plots)
+    assert lines.count() == wanted
+    assert all("L" in str(lines.nth(k).get_attribute("d")) for k in range(wanted))
+
+
+def test_the_table_is_sorted_by_its_heading(opened: Page) -> None:
+    head = opened.locator("#summary th button", has_text="Error")
+    head.click()
+    sizes = opened.locator("#summary tbody tr td:nth-child(5)").evaluate_all(
+        "cells => cells.filter(c => c.dataset.sort !== undefined).map(c => Number(c.dataset.sort))"
+    )
+    assert len(sizes) > 5
+    assert sizes == sorted(sizes)
+    head.click()
+    assert opened.locator("#summary th[aria-sort='descending']").count() == 1
+
+
+def test_a_plot_is_zoomed_by_keys(opened: Page) -> None:
+    plot = opened.locator(".plot:not(.view) > svg").first
+    texts = "svg => [...svg.querySelectorAll('text')].map(t => t.textContent)"
+    before = plot.evaluate(texts)
+    plot.focus()
+    opened.keyboard.press("+")
+    assert plot.evaluate(texts) != before
+    opened.keyboard.press("0")
+    assert plot.evaluate(texts) == before
+
+
+def place(made: Page) -> float:
+    return float(made.locator("figure.film .clock").inner_text().split()[0])
+
+
+def outline(made: Page) -> str:
+    return str(made.locator("path.body.wing").first.get_attribute("d"))
+
+
+def test_the_animation_is_scrubbed_by_keys(opened: Page) -> None:
+    slider = opened.get_by_label("Time")
+    rest = outline(opened)
+    slider.focus()
+    for _ in range(30):
+        opened.keyboard.press("ArrowRight")
+    assert slider.input_value() == "30"
+    assert place(opened) == pytest.approx(1000.0 / 18.0 * 30 / 120, abs=0.06)
+    assert outline(opened) != rest
+    opened.keyboard.press("Home")
+    assert outline(opened) == rest
+
+
+def test_the_animation_plays_slowly_and_stops(opened: Page) -> None:
+    opened.locator("figure.film select").select_option("10")
+    opened.get_by_role("button", name="Play").click()
+    for _ in range(100):
+        if place(opened) > 3.0:
+            break
+        opened.wait_for_timeout(20)
+    opened.get_by_role("button", name="Pause").click()
+    there = place(opened)
+    assert there > 3.0
+    opened.wait_for_timeout(120)
+    assert place(opened) == there
+    hand = opened.locator(".plot .hand").nth(opened.locator(".plot .hand").count() - 1)
+    assert float(hand.get_attribute("x1") or 0.0) > 62.0
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_is_readable_and_accessible(
+    browser: Browser, report: Path, width: int, scheme: Any
+) -> None:
+    """Nothing wider than the window, and nothing that axe finds; axe needs the policy off."""
+    context = browser.new_context(
+        viewport={"width": width, "height": 900}, color_scheme=scheme, bypass_csp=True
+    )
+    made = context.new_page()
+    made.goto(report.as_uri())
+    made.wait_for_selector(".plot .curve", state="attached")
+    assert made.evaluate("document.documentElement.scrollWidth") <= width
+    violations = Axe().run(made).response["violations"]
+    context.close()
+    assert [(v["id"], v["nodes"][0]["html"]) for v in violations] == []
+
+
+@pytest.mark.parametrize("text", ["</script><script>alert(1)</script>", "<img src=x onerror=a()>"])
+def test_hostile_text_stays_text(browser: Browser, tmp_path: Path, text: str) -> None:
+    from tests.orchestrator.report.test_page import page as hostile
+
+    made = browser.new_page()
+    told = watched(made)
+    path = write(hostile(text), tmp_path / "page.html")
+    made.goto(path.as_uri())
+    made.wait_for_selector(".plot .mark", state="attached")
+    assert made.title() == text
+    made.close()
+    assert told == [path.as_uri()]

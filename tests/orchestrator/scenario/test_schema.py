@@ -1,0 +1,81 @@
+"""The scene language: inheritance, overrides, and all problems at once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.errors import SceneError
+from orchestrator.scenario.files import scene_names
+from orchestrator.scenario.parse import load_scenario
+from orchestrator.simulation.load import load
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_every_shipped_scene_is_well_formed(name: str) -> None:
+    scenario, _ = load_scenario(name)
+    assert scenario.title
+    assert scenario.components
+
+
+def test_full_wings_differ_from_no_wing_only_as_they_say() -> None:
+    bare, _ = load_scenario("flapping-no-wing")
+    full, _ = load_scenario("flapping-full-wings")
+    assert set(full.components) - set(bare.components) == {"aero"}
+    assert "linkage.load.torque" in bare.hold
+    assert "linkage.load.torque" not in full.hold
+    assert full.components["amplifier"].start["waveform"] == "square"
+
+
+def test_without_drops_wires_holds_and_records(tmp_path: Path) -> None:
+    scene = tmp_path / "bare.toml"
+    scene.write_text(
+        'extends = "flapping-full-wings"\nwithout = ["aero"]\n'
+        '[hold]\n"linkage.load.torque" = 0\n[master]\norder = ["amplifier", "spring", "linkage"]\n'
+    )
+    scenario, _ = load_scenario(scene)
+    assert "aero" not in scenario.components
+    assert not [w for w in scenario.wires if "aero" in w.source + w.target]
+    assert not [v for v in scenario.record.variables if v.startswith("aero")]
+
+
+def test_a_component_with_another_fmu_starts_afresh(tmp_path: Path) -> None:
+    scene = tmp_path / "swap.toml"
+    scene.write_text('extends = "oscillator-1"\n[components.spring]\nfmu = "membrane"\n')
+    scenario, _ = load_scenario(scene)
+    assert scenario.components["spring"].start == {}
+
+
+def test_all_problems_come_at_once(tmp_path: Path) -> None:
+    scene = tmp_path / "bad.toml"
+    scene.write_text("titel = 'x'\n[time]\nstop = true\n[components.a]\nfmu = 'a'\nstrat = {}\n")
+    with pytest.raises(SceneError) as caught:
+        load_scenario(scene)
+    text = str(caught.value)
+    assert "did you mean 'title'" in text
+    assert "did you mean 'start'" in text
+    assert "time.stop" in text
+
+
+def test_overrides_from_the_command_line() -> None:
+    scenario, _ = load_scenario("oscillator-2", {"payload.mass": "3 g"}, master={"laws": "held"})
+    assert scenario.components["payload"].start["mass"] == "3 g"
+    assert scenario.master.laws == "held"
+    with pytest.raises(SceneError, match="did you mean 'payload'"):
+        load_scenario("oscillator-2", {"paylod.mass": "3 g"})
+
+
+def test_an_fmu_by_path_is_found_beside_the_scene_that_names_it(
+    library: Path, tmp_path: Path
+) -> None:
+    """Also where a scene in another folder extends that one."""
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    (inner / "mine.fmu").write_bytes((library / "payload.fmu").read_bytes())
+    (inner / "base.toml").write_text(
+        'extends = "oscillator-1"\n[components.payload]\nfmu = "./mine.fmu"\n'
+    )
+    top = tmp_path / "top.toml"
+    top.write_text('extends = "inner/base.toml"\n[time]\nstop = "2 cycles"\n')
+    assert load(top, None, library).interfaces["payload"].path.samefile(inner / "mine.fmu")

@@ -1,0 +1,71 @@
+"""Scenes on native parts: the same result bit by bit, from one option."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator.cli import app
+from orchestrator.errors import FmuError
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
+from orchestrator.studies.reference.monolith import monolithic
+
+
+@pytest.mark.parametrize(
+    ("scene", "kind"),
+    [
+        ("oscillator-1", "interface-newton"),
+        ("flapping-full-wings", "gauss-seidel"),
+        ("flapping-membrane", "gauss-seidel"),
+    ],
+)
+def test_a_scene_gives_the_same_bits(library: Path, native: Path, scene: str, kind: str) -> None:
+    both = [
+        run(load(scene, None, parts, time={"stop": "1 cycles"}, master={"kind": kind}))
+        for parts in (library, native)
+    ]
+    first, second = both
+    assert first.failure is None
+    assert first.names == second.names
+    for name in first.names:
+        assert np.array_equal(first.series(name), second.series(name), equal_nan=True), name
+
+
+def invoke(*arguments: str) -> tuple[int, str]:
+    result = CliRunner().invoke(app, list(arguments))
+    return result.exit_code, result.output
+
+
+def test_the_option(native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("build").mkdir()
+    scene = ("flapping-full-wings", "--native", "--stop", "1 cycles")
+    code, said = invoke("run", *scene)
+    assert code == 2
+    assert "resilin build --native" in said.replace("\n", " ")
+    Path("build/native").symlink_to(native)
+    code, said = invoke("run", *scene, "--no-picture")
+    assert (code, "stroke" in said) == (0, True)
+    code, said = invoke("run", *scene, "--fmus", "elsewhere")
+    assert code == 2
+    assert "give one" in said
+    code, said = invoke(
+        "sweep", *scene, "--over", "amplifier.frequency=16,18", "--workers", "1", "--quiet"
+    )
+    assert code == 0, said
+
+
+def test_the_monolith_comes_from_the_sibling_folder(
+    library: Path, native: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "native").symlink_to(native)
+    plan = load("oscillator-1", None, tmp_path / "native")
+    with pytest.raises(FmuError, match="no such file"):
+        monolithic(plan, tmp_path / "native")
+    (tmp_path / "fmus").symlink_to(library)
+    single = monolithic(plan, tmp_path / "native")
+    assert single.interfaces["monolith"].path == tmp_path / "fmus" / "monolith.fmu"
