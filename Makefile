@@ -1,7 +1,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-SCENE ?= flapping-full-wings
+SCENARIO ?= flapping-full-wings
 
 COFMPY := $(VENV)/cofmpy
 
@@ -9,7 +9,7 @@ COFMPY := $(VENV)/cofmpy
 
 run: $(VENV)/ready
 	$(BIN)/python build_fmus.py
-	$(BIN)/resilin run $(SCENE)
+	$(BIN)/resilin run $(SCENARIO)
 
 test: lint $(COFMPY)/ready
 	$(BIN)/pytest -n 2 -m "not slow"

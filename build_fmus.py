@@ -117,11 +117,11 @@ def source_files(part: Any) -> dict[str, bytes]:
 
 
 def open_recorded(path: Path, name: str, settings: dict[str, str]) -> Any:
-    """A recording with the keys that a scene's component may have, as texts.
+    """A recording with the keys that a scenario's component may have, as texts.
 
     Raises :class:`BuildError` with what is wrong of the keys or of the file.
     """
-    from orchestrator.errors import RecordingError, SceneError
+    from orchestrator.errors import RecordingError, ScenarioError
     from orchestrator.recording.recording import open_recording
     from orchestrator.scenario.parse import scenario_of
 
@@ -135,7 +135,7 @@ def open_recorded(path: Path, name: str, settings: dict[str, str]) -> Any:
     try:
         scenario = scenario_of({"components": {name: component}}, path)
         return open_recording(scenario.components[name], path)
-    except (SceneError, RecordingError) as error:
+    except (ScenarioError, RecordingError) as error:
         raise BuildError(str(error).replace(f"{path}: components.{name}.", "--set ")) from None
 
 
@@ -153,7 +153,7 @@ def recorded_files(recording: Any) -> dict[str, bytes]:
     """Sources of a replay that are made from a recording, in SI."""
     import numpy as np
 
-    from fmus.replay.generate import Record, Told, files
+    from fmus.replay.generate import Record, ReplayedOutput, files
     from orchestrator.errors import printable
 
     track = recording.track
@@ -166,7 +166,7 @@ def recorded_files(recording: Any) -> dict[str, bytes]:
         if how == "column":
             scales[column] = scale
         outputs.append(
-            Told(
+            ReplayedOutput(
                 *(variable.name, unit, printable(variable.description)),
                 *(variable.port, variable.order, how, column, rate),
             )
@@ -529,7 +529,7 @@ def build_command(
     recording: Annotated[
         Path | None,
         typer.Option(
-            help="Recording to be made an FMU; --set NAME.key=value for what a scene may say of it."
+            help="Recording to make an FMU of; --set NAME.key=value gives what a scenario may."
         ),
     ] = None,
     into: Annotated[

@@ -1,4 +1,4 @@
-"""Error against run time of the laws, on any scene made of our parts.
+"""Error against run time of the laws, on any scenario made of our parts.
 
     python benchmarks/coupling.py flapping-full-wings --cycles 20
 
@@ -38,16 +38,16 @@ class FmiClock:
 
     def __init__(self) -> None:
         self.spent = 0.0
-        self._own = {name: getattr(instance.Unit, name) for name in ("send", "step", "receive")}
+        self._own = {name: getattr(instance.Instance, name) for name in ("send", "step", "receive")}
 
     def __enter__(self) -> FmiClock:
         for name, function in self._own.items():
-            setattr(instance.Unit, name, self._timed(function))
+            setattr(instance.Instance, name, self._timed(function))
         return self
 
     def __exit__(self, *exception: object) -> None:
         for name, function in self._own.items():
-            setattr(instance.Unit, name, function)
+            setattr(instance.Instance, name, function)
 
     def _timed(self, function: Any) -> Any:
         def timed(*arguments: Any) -> None:
@@ -59,11 +59,11 @@ class FmiClock:
 
 
 def solve(
-    scene: str, laws: str, steps: int, cycles: int, library: Path, repeats: int
+    scenario: str, laws: str, steps: int, cycles: int, library: Path, repeats: int
 ) -> tuple[Outcome, float]:
     """Outcome with the least wall time of some repeats, and that time [s]."""
     time = {"step": {"per_cycle": steps}, "stop": f"{cycles} cycles"}
-    plan = load(scene, None, library, master={"laws": laws}, time=time)
+    plan = load(scenario, None, library, master={"laws": laws}, time=time)
     outcomes = [run(plan) for _ in range(repeats)]
     best = min(outcomes, key=lambda outcome: outcome.wall_time)
     return best, best.wall_time
@@ -78,7 +78,7 @@ def error(outcome: Outcome, reference: Outcome, name: str, every: int) -> float:
 
 
 def main(
-    scene: Annotated[str, typer.Argument()] = "flapping-full-wings",
+    scenario: Annotated[str, typer.Argument()] = "flapping-full-wings",
     cycles: Annotated[int, typer.Option()] = 20,
     repeats: Annotated[int, typer.Option()] = 3,
     steps: Annotated[str, typer.Option()] = "20,50,60,100,200,400",
@@ -86,26 +86,26 @@ def main(
 ) -> None:
     """Print the table."""
     time = {"step": {"per_cycle": BASE}, "stop": f"{cycles} cycles"}
-    base = load(scene, None, library, time=time)
+    base = load(scenario, None, library, time=time)
     begun = perf_counter()
     reference = as_recorded(run(monolithic(base, library)), base)
     spent = perf_counter() - begun
     moving = [n for n in reference.names if n.rpartition(".")[2] in MOTIONS]
     simulated = base.grid.stop - base.grid.start
-    title = f"{scene}, {cycles} cycles; reference in {spent:.1f} s"
+    title = f"{scenario}, {cycles} cycles; reference in {spent:.1f} s"
     table = Table(
         "laws", "steps/cycle", *moving, "order", "wall s", "x real time", "outside FMI", title=title
     )
     for laws in ("curvature", "affine", "held"):
         before: tuple[int, float] | None = None
         for count in (int(text) for text in steps.split(",")):
-            outcome, wall = solve(scene, laws, count, cycles, library, repeats)
+            outcome, wall = solve(scenario, laws, count, cycles, library, repeats)
             errors = [error(outcome, reference, name, count // BASE) for name in moving]
             order = ""
             if before is not None and errors[0] > 0.0:
                 order = f"{math.log(before[1] / errors[0]) / math.log(count / before[0]):.2f}"
             with FmiClock() as clock:
-                timed, _ = solve(scene, laws, count, cycles, library, 1)
+                timed, _ = solve(scenario, laws, count, cycles, library, 1)
             outside = 1.0 - clock.spent / timed.wall_time
             table.add_row(
                 laws,

@@ -1,8 +1,8 @@
 """Parts with Python and without, side by side in one run.
 
-`python benchmarks/native.py [SCENE ...]` needs both kinds of parts: `resilin build`, `resilin build
---native`. Three tables: a step of each part alone, by the calls that a master makes (set
-inputs, step, get outputs, each repeated and the least time taken); a scene with both kinds
+`python benchmarks/native.py [SCENARIO ...]` needs both kinds of parts: `resilin build`, `resilin
+build --native`. Three tables: a step of each part alone, by the calls that a master makes (set
+inputs, step, get outputs, each repeated and the least time taken); a scenario with both kinds
 at steps per cycle, in seconds simulated over seconds of processor time, which a busy machine
 disturbs least; the monolith's right-hand side.
 """
@@ -21,7 +21,7 @@ import numpy as np
 
 from orchestrator.fmi.archive import extract
 from orchestrator.fmi.description import read_interface
-from orchestrator.fmi.instance import Local, in_process
+from orchestrator.fmi.instance import InProcessInstance, in_process
 from orchestrator.scenario.plan import LIBRARY, NATIVE
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import GaussSeidel
@@ -33,7 +33,7 @@ REPEATS = 9
 STEP = 1e-4
 PER_CYCLE = (20, 50, 100, 200, 400)
 CYCLES = 10
-SCENES = ("flapping-full-wings", "flapping-membrane")
+SCENARIOS = ("flapping-full-wings", "flapping-membrane")
 EXCITED = {
     "force.value": 0.05,
     "force.stiffness": 300.0,
@@ -45,7 +45,7 @@ EXCITED = {
 }
 
 
-def loaded(fmu: Path, folder: Path) -> Local:
+def loaded(fmu: Path, folder: Path) -> InProcessInstance:
     """An initialised unit with buffers over all real inputs and outputs."""
     extract(fmu, folder)
     interface = read_interface(fmu)
@@ -61,7 +61,7 @@ def loaded(fmu: Path, folder: Path) -> Local:
     return unit
 
 
-def calls(unit: Local) -> dict[str, Callable[[], Any]]:
+def calls(unit: InProcessInstance) -> dict[str, Callable[[], Any]]:
     """What is timed: each call alone, all three as a step of a master, a state there and back."""
     time = 0.0
 
@@ -113,8 +113,10 @@ def parts() -> None:
                 unit.close()
 
 
-def scenes(names: tuple[str, ...]) -> None:
-    print(f"\n{'scene':22} {'per cycle':>9} {'Python':>8} {'native':>8} {'ratio':>7}   times real")
+def scenarios(names: tuple[str, ...]) -> None:
+    print(
+        f"\n{'scenario':22} {'per cycle':>9} {'Python':>8} {'native':>8} {'ratio':>7}   times real"
+    )
     for name in names:
         for count in PER_CYCLE:
             time = {"stop": f"{CYCLES} cycles", "step": {"per_cycle": count}}
@@ -154,7 +156,7 @@ def reference() -> None:
 
 def main() -> None:
     parts()
-    scenes(tuple(sys.argv[1:]) or SCENES)
+    scenarios(tuple(sys.argv[1:]) or SCENARIOS)
     reference()
 
 

@@ -1,6 +1,6 @@
 """The master's own cost: a communication step beside a bare loop of FMI calls, in one run.
 
-`python benchmarks/overhead.py [SCENE ...]`. The bare loop calls set, doStep and get of the same
+`python benchmarks/overhead.py [SCENARIO ...]`. The bare loop calls set, doStep and get of the same
 instances with preallocated buffers and moves nothing between them; `calls` repeats exactly
 the FMI calls that the master makes, followers included. The minimum of several
 repeats is shown, in microseconds per communication step and unit.
@@ -20,13 +20,13 @@ from orchestrator.simulation.system import System
 
 STEPS = 1000
 REPEATS = 7
-SCENES = ("oscillator-1", "flapping-no-wing", "flapping-full-wings")
+SCENARIOS = ("oscillator-1", "flapping-no-wing", "flapping-full-wings")
 
 
 def bare(system: System, followers: bool) -> float:
     """Seconds for `STEPS` rounds of FMI calls."""
-    units = [member.unit for member in system.members]
-    again = [member.unit for member in system.followers] if followers else []
+    units = [coupled.instance for coupled in system.instances]
+    again = [coupled.instance for coupled in system.followers] if followers else []
     step = system.plan.grid.step
     begun = perf_counter()
     for k in range(STEPS):
@@ -59,8 +59,8 @@ def least(plan: Plan, measure: Callable[[System], float]) -> float:
 
 
 def main() -> None:
-    print(f"{'scene':22} {'units':>5} {'bare':>8} {'calls':>8} {'master':>8}  of bare  of calls")
-    for name in sys.argv[1:] or SCENES:
+    print(f"{'scenario':22} {'units':>5} {'bare':>8} {'calls':>8} {'master':>8}  of bare  of calls")
+    for name in sys.argv[1:] or SCENARIOS:
         base = load(name)
         stop = STEPS * base.grid.step
         plan = load(name, time={"stop": stop})

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from orchestrator.results.outcome import Outcome
-from orchestrator.results.port_recording import taped, write_tape
+from orchestrator.results.port_recording import with_recorded_ports, write_port_recording
 from orchestrator.scenario.plan import LIBRARY
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
@@ -38,14 +38,14 @@ STEPS = {"oscillator-1": 60, "flapping-full-wings": 50}
 
 
 def replayed(
-    folder: Path, scene: str, part: str, tape: Path, kind: str, columns: list[str], holds: str,
+    folder: Path, scenario: str, part: str, tape: Path, kind: str, columns: list[str], holds: str,
     library: Path = LIBRARY, **options: object,
 ) -> Outcome:  # fmt: skip
-    """Outcome of a scene with a recording in one part's place; all columns if none is given."""
+    """Outcome of a scenario with a recording in one part's place; all columns if none is given."""
     path = folder / "replayed.toml"
     listed = ", ".join(f'"{name}" = "{name}"' for name in columns)
     path.write_text(
-        f'extends = "{scene}"\n[components.{part}]\ndata = "{tape}"\n'
+        f'extends = "{scenario}"\n[components.{part}]\ndata = "{tape}"\n'
         f'interpolation = "{kind}"\nafter = "hold"\n'
         + (f"columns = {{ {listed} }}\n" if columns else "")
         + (holds if columns else "")
@@ -66,31 +66,31 @@ def main() -> None:
     """Print the tables."""
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
-        for scene, parts in CASES.items():
-            whole = run(load(scene, time={"stop": STOP}))
-            print(f"\n{scene}, {STOP}\n\n| part | way | {' | '.join(KINDS)} |")
+        for scenario, parts in CASES.items():
+            whole = run(load(scenario, time={"stop": STOP}))
+            print(f"\n{scenario}, {STOP}\n\n| part | way | {' | '.join(KINDS)} |")
             print("|---|---|" + "---|" * len(KINDS))
             for part, (columns, name, holds) in parts.items():
                 for way, finer, used, per_cycle in (
-                    ("whole ports", 1, [], STEPS[scene]),
-                    ("whole ports, half the step", 1, [], 2 * STEPS[scene]),
-                    ("values", 1, columns, STEPS[scene]),
-                    ("values, four times as many rows", 4, columns, STEPS[scene]),
+                    ("whole ports", 1, [], STEPS[scenario]),
+                    ("whole ports, half the step", 1, [], 2 * STEPS[scenario]),
+                    ("values", 1, columns, STEPS[scenario]),
+                    ("values, four times as many rows", 4, columns, STEPS[scenario]),
                 ):
-                    rate = {"per_cycle": finer * STEPS[scene]}
+                    rate = {"per_cycle": finer * STEPS[scenario]}
                     tape = folder / f"{part}-{finer}.csv"
                     if not tape.exists():
-                        plan = load(scene, time={"stop": STOP, "step": rate})
-                        write_tape(run(taped(plan, part)), tape)
+                        plan = load(scenario, time={"stop": STOP, "step": rate})
+                        write_port_recording(run(with_recorded_ports(plan, part)), tape)
                     step = {"per_cycle": per_cycle}
                     against = whole
-                    if per_cycle != STEPS[scene]:
-                        against = run(load(scene, time={"stop": STOP, "step": step}))
+                    if per_cycle != STEPS[scenario]:
+                        against = run(load(scenario, time={"stop": STOP, "step": step}))
                     errors = [
                         difference(
                             against,
                             replayed(
-                                folder, scene, part, tape, kind, used, holds,
+                                folder, scenario, part, tape, kind, used, holds,
                                 time={"stop": STOP, "step": step},
                             ),
                             name,

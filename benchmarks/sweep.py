@@ -1,4 +1,4 @@
-"""Frequency sweep of a scene: amplitude and phase, one run a point.
+"""Frequency sweep of a scenario: amplitude and phase, one run a point.
 
     python benchmarks/sweep.py bench-silicone --set amplifier.waveform=half_wave_sine
 
@@ -31,7 +31,7 @@ PAPER = [1.0, *range(5, 45, 5), *range(44, 66, 2), *range(70, 105, 5)]
 
 
 def main(
-    scene: Annotated[str, typer.Argument()] = "bench-silicone",
+    scenario: Annotated[str, typer.Argument()] = "bench-silicone",
     set_: Annotated[list[str] | None, typer.Option("--set")] = None,
     settle: Annotated[float, typer.Option(help="Seconds before the last cycles.")] = 0.3,
     frequencies: Annotated[str, typer.Option(help="Comma-separated; the paper's if empty.")] = "",
@@ -44,7 +44,7 @@ def main(
     for frequency in wanted:
         cycles = max(4, math.ceil(settle * frequency) + 3)
         plan = load(
-            scene,
+            scenario,
             {**changes, "amplifier.frequency": f"{frequency} Hz"},
             library,
             time={
@@ -59,7 +59,7 @@ def main(
             continue
         found = {m.name: m.value for m in metrics(dataset(outcome), 3)}
         rows.append((frequency, 0.5e3 * found["travel"], math.degrees(found["phase"])))
-    told = Table("Hz", "amplitude mm", "phase deg", title=f"{scene} {changes or ''}")
+    told = Table("Hz", "amplitude mm", "phase deg", title=f"{scenario} {changes or ''}")
     for frequency, amplitude, phase in rows:
         told.add_row(f"{frequency:g}", f"{amplitude:.3f}", f"{phase:.1f}")
     Console(width=90).print(told)

@@ -2,12 +2,12 @@
 
 ResilinError                     exit code
 +-- InputError                   2   the user's files and options
-|   +-- SceneError                   a scene: file, key, remedy; may list several
+|   +-- ScenarioError                   a scenario: file, key, remedy; may list several
 |   +-- FmuError                     an FMU file: archive, description, platform
 |   +-- RecordingError               a recording: file, line, column
 |   +-- OutputError                  a result that cannot be written
 +-- SimulationError              1   a run that could not go on
-    +-- UnitFailure                  a unit returned anything but OK
+    +-- InstanceFailure                  a unit returned anything but OK
     +-- Divergence                   NaN, infinity, bounds left, runaway growth
     +-- InitialisationError          no consistent start
 """
@@ -30,8 +30,8 @@ class InputError(ResilinError):
     exit_code = 2
 
 
-class SceneError(InputError):
-    """One or more problems of a scene, each with its place."""
+class ScenarioError(InputError):
+    """One or more problems of a scenario, each with its place."""
 
     def __init__(self, problems: Iterable[str] | str) -> None:
         listed = [problems] if isinstance(problems, str) else list(problems)
@@ -55,7 +55,7 @@ class SimulationError(ResilinError):
     """A run that stopped; what was recorded up to then is kept."""
 
 
-class UnitFailure(SimulationError):
+class InstanceFailure(SimulationError):
     """A unit returned a status other than OK, or refused to start."""
 
 

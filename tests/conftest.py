@@ -1,4 +1,4 @@
-"""Shared fixtures: the built parts, and scenes run on them."""
+"""Shared fixtures: the built parts, and scenarios run on them."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ Runner = Callable[..., Outcome]
 
 @pytest.fixture(scope="session")
 def outcome(library: Path) -> Runner:
-    """Run a scene on the built parts: `outcome(scene, changes, time={...}, master={...})`."""
+    """Run a scenario on the built parts: `outcome(scenario, changes, time={...}, master={...})`."""
 
-    def runner(scene: str, changes: dict[str, str] | None = None, **options: object) -> Outcome:
-        return run(load(scene, changes, library, **options))
+    def runner(scenario: str, changes: dict[str, str] | None = None, **options: object) -> Outcome:
+        return run(load(scenario, changes, library, **options))
 
     return runner

@@ -53,16 +53,16 @@ class Watched:
 
 @dataclass(frozen=True)
 class Case:
-    """A scene at one step by one wiring.
+    """A scenario at one step by one wiring.
 
     `components` stand in the order in which a sequential tool should step them. `count` steps
     of `step` [s] are taken; `every` how many of them values are compared. `rtol` is the
     tolerance of tools that have one in place of a step. `bonds` are pairs of wires, by their
-    places, whose values make a power. `scene`, `library` and `cycles` are for tools that read
-    scenes.
+    places, whose values make a power. `scenario`, `library` and `cycles` are for tools that read
+    scenarios.
     """
 
-    scene: str
+    scenario: str
     library: str
     cycles: float
     per_cycle: int

@@ -1,6 +1,6 @@
 """The one command: every tool over its ladder, one table, one file, one picture.
 
-    python benchmarks/peers --scene flapping-full-wings --tools ecos,fmpy.ssp --budget 30
+    python benchmarks/peers --scenario flapping-full-wings --tools ecos,fmpy.ssp --budget 30
 
 What each tool does with our FMUs, and figures of a whole run: docs/peers.md.
 """
@@ -18,9 +18,9 @@ from orchestrator.scenario.plan import LIBRARY
 
 from .case import Case
 from .figures import judge
+from .measured_run import MeasuredRun, Setting, run
 from .picture import draw
 from .reference import Reference
-from .rung import Rung, Setting, run
 from .table import cost_table, rung_table, write
 from .tools import TOOLS
 from .tools.base import Method, Tool
@@ -31,14 +31,14 @@ TOLERANCES = "1,1e-1,1e-2,1e-3,1e-4,1e-6,1e-8"
 
 
 class Bench:
-    """One run of the benchmark: a scene, its reference, and what bounds the tools."""
+    """One run of the benchmark: a scenario, its reference, and what bounds the tools."""
 
     def __init__(
-        self, scene: str, library: Path, cycles: float, budget: float, repeats: int
+        self, scenario: str, library: Path, cycles: float, budget: float, repeats: int
     ) -> None:
-        self.scene, self.library, self.cycles = scene, library, cycles
+        self.scenario, self.library, self.cycles = scenario, library, cycles
         self.budget, self.repeats = budget, repeats
-        self.reference = Reference(scene, library, cycles)
+        self.reference = Reference(scenario, library, cycles)
         self.console = Console(width=160)
 
     def case(self, setting: Setting) -> Case:
@@ -46,48 +46,52 @@ class Bench:
         steps = setting.ladder == "steps"
         wiring = setting.wiring if setting.wiring != "one ODE" else "values"
         made = case_of(
-            self.scene, self.library, wiring, int(setting.place) if steps else POINTS, self.cycles
+            self.scenario,
+            self.library,
+            wiring,
+            int(setting.place) if steps else POINTS,
+            self.cycles,
         )
         return replace(made, rtol=0.0 if steps else setting.place)
 
     def climb(
         self, tool: Tool, method: Method, wiring: str, ladder: list[float], python: str
-    ) -> list[Rung]:
+    ) -> list[MeasuredRun]:
         """A curve from coarse to fine, as far as the budget goes."""
-        found: list[Rung] = []
-        before: Rung | None = None
+        found: list[MeasuredRun] = []
+        before: MeasuredRun | None = None
         for place in ladder:
             setting = Setting(tool.name, method.name, wiring, method.ladder, place)
             if before is not None and method.ladder == "steps":
                 foreseen = before.wall * place / before.setting.place
                 if foreseen > self.budget:
                     reason = f"not run: {foreseen:.0f} s foreseen, the budget is {self.budget:g} s"
-                    found.append(Rung(setting, "over budget", reason, before.version))
+                    found.append(MeasuredRun(setting, "over budget", reason, before.version))
                     break
             case = self.case(setting)
-            rung = run(case, setting, self.budget, self.repeats, python)
-            if rung.status == "done":
-                judge(rung, case, self.reference, before)
-            found.append(rung)
-            self.tell(rung)
-            if rung.status == "done":
-                before = rung
-            if absent(rung) or rung.status == "over budget":
+            measured = run(case, setting, self.budget, self.repeats, python)
+            if measured.status == "done":
+                judge(measured, case, self.reference, before)
+            found.append(measured)
+            self.tell(measured)
+            if measured.status == "done":
+                before = measured
+            if absent(measured) or measured.status == "over budget":
                 break
-            if rung.status == "done" and rung.wall > self.budget:
+            if measured.status == "done" and measured.wall > self.budget:
                 break
         return found
 
-    def tell(self, rung: Rung) -> None:
+    def tell(self, measured: MeasuredRun) -> None:
         """A line while the benchmark runs."""
-        said = f"{rung.wall:.4f} s, error {rung.error:.2e}"
-        if rung.status != "done":
-            said = f"{rung.status}: {rung.reason}"
-        self.console.print(f"{rung.setting}: {said}", highlight=False, markup=False)
+        said = f"{measured.wall:.4f} s, error {measured.error:.2e}"
+        if measured.status != "done":
+            said = f"{measured.status}: {measured.reason}"
+        self.console.print(f"{measured.setting}: {said}", highlight=False, markup=False)
 
 
-def absent(rung: Rung) -> bool:
-    return rung.status == "not installed"
+def absent(measured: MeasuredRun) -> bool:
+    return measured.status == "not installed"
 
 
 def starts(method: Method, place: float) -> bool:
@@ -96,7 +100,7 @@ def starts(method: Method, place: float) -> bool:
 
 
 def main(
-    scene: Annotated[str, typer.Option(help="oscillator-1, flapping-full-wings, ...")] = (
+    scenario: Annotated[str, typer.Option(help="oscillator-1, flapping-full-wings, ...")] = (
         "flapping-full-wings"
     ),
     tools: Annotated[str, typer.Option(help="Names, separated by commas; all if none.")] = "",
@@ -123,18 +127,18 @@ def main(
         "steps": [float(text) for text in steps.split(",")],
         "tolerance": [float(text) for text in tolerances.split(",")],
     }
-    bench = Bench(scene, library, cycles, budget, repeats)
-    rungs: list[Rung] = []
+    bench = Bench(scenario, library, cycles, budget, repeats)
+    runs: list[MeasuredRun] = []
     for tool in (TOOLS[name] for name in names):
         for method in tool.methods:
             for wiring in method.wirings:
-                if rungs and rungs[-1].setting.tool == tool.name and absent(rungs[-1]):
+                if runs and runs[-1].setting.tool == tool.name and absent(runs[-1]):
                     break
                 ladder = [p for p in ladders[method.ladder] if starts(method, p)]
-                rungs += bench.climb(tool, method, wiring, ladder, pythons.get(tool.name, ""))
+                runs += bench.climb(tool, method, wiring, ladder, pythons.get(tool.name, ""))
     output.mkdir(parents=True, exist_ok=True)
-    bench.console.print(rung_table(f"{scene}, {cycles:g} cycles", rungs))
-    bench.console.print(cost_table(rungs))
-    write(scene, rungs, output / f"{scene}.csv")
-    draw(scene, rungs, output / f"{scene}.svg")
-    bench.console.print(f"{output / scene}.csv and .svg")
+    bench.console.print(rung_table(f"{scenario}, {cycles:g} cycles", runs))
+    bench.console.print(cost_table(runs))
+    write(scenario, runs, output / f"{scenario}.csv")
+    draw(scenario, runs, output / f"{scenario}.svg")
+    bench.console.print(f"{output / scenario}.csv and .svg")

@@ -1,4 +1,4 @@
-"""Figures of a rung and of a curve: error, order, stroke, time to an error."""
+"""Figures of a run and of a curve: error, order, stroke, time to an error."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from .case import Case
+from .measured_run import MeasuredRun
 from .reference import Reference
-from .rung import Rung
 
 TARGET = 1e-3
 FINE = 2000
 """Points per cycle at which a spline through the compared points is searched for peaks."""
 RESOLVED = 0.5
-"""Error above which a rung says nothing of an order."""
+"""Error above which a run says nothing of an order."""
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Time [s] to an error; `sure` if a rung reached it. NaN where the error does not fall."""
+    """Time [s] to an error; `sure` if a run reached it. NaN where the error does not fall."""
 
     seconds: float
     sure: bool
@@ -33,24 +33,26 @@ class Cost:
         return f"{'' if self.sure else '~ '}{self.seconds:.3g}"
 
 
-def judge(rung: Rung, case: Case, reference: Reference, before: Rung | None) -> None:
-    """Fill in the figures of a rung that is done. What ran to infinity has stopped."""
-    times, rows = thinned(rung.times, np.asarray(rung.rows), case)
+def judge(
+    measured: MeasuredRun, case: Case, reference: Reference, before: MeasuredRun | None
+) -> None:
+    """Fill in the figures of a run that is done. What ran to infinity has stopped."""
+    times, rows = thinned(measured.times, np.asarray(measured.rows), case)
     if not len(rows) or not np.isfinite(rows).all() or np.abs(rows).max() > 1e6:
-        rung.status, rung.reason = "diverged", "values left all bounds"
+        measured.status, measured.reason = "diverged", "values left all bounds"
         return
     exact = reference.at(times)
-    rung.error = float(np.max(np.abs(rows - exact).max(axis=0) / np.abs(exact).max(axis=0)))
-    if before is not None and isfinite(before.error) and max(rung.error, before.error) > 0.0:
-        rung.order = slope(before, rung)
+    measured.error = float(np.max(np.abs(rows - exact).max(axis=0) / np.abs(exact).max(axis=0)))
+    if before is not None and isfinite(before.error) and max(measured.error, before.error) > 0.0:
+        measured.order = slope(before, measured)
     cycle = case.step * case.per_cycle
     for k, name in enumerate(w.name for w in case.watched):
         span, beat = oscillation(times, rows[:, k], cycle)
         if name == "flap_angle":
-            rung.stroke = degrees(span)
+            measured.stroke = degrees(span)
         else:
-            rung.travel = span
-        rung.frequency = beat
+            measured.travel = span
+        measured.frequency = beat
 
 
 def thinned(times: Sequence[float], rows: np.ndarray, case: Case) -> tuple[list[float], np.ndarray]:
@@ -83,28 +85,28 @@ def oscillation(times: Sequence[float], series: np.ndarray, cycle: float) -> tup
     return span, float((len(exact) - 1) / (exact[-1] - exact[0]))
 
 
-def slope(coarse: Rung, fine: Rung) -> float:
+def slope(coarse: MeasuredRun, fine: MeasuredRun) -> float:
     """Order of the error in the work, counted in calls: in the step, where steps are equal."""
     if coarse.calls == fine.calls or min(coarse.error, fine.error) <= 0.0:
         return nan
     return log(coarse.error / fine.error) / log(fine.calls / coarse.calls)
 
 
-def cost(curve: Sequence[Rung], target: float = TARGET) -> Cost:
+def cost(curve: Sequence[MeasuredRun], target: float = TARGET) -> Cost:
     """Time to an error along a curve, coarse to fine.
 
-    Between two rungs on either side of it log error is linear in log time; beyond the last one the
-    order between the last two goes on, each call at the cost of the last rung's.
+    Between two runs on either side of it log error is linear in log time; beyond the last one the
+    order between the last two goes on, each call at the cost of the last run's.
     """
     done = [r for r in curve if r.status == "done" and isfinite(r.error) and r.wall > 0.0]
-    for k, rung in enumerate(done):
-        if rung.error > target:
+    for k, measured in enumerate(done):
+        if measured.error > target:
             continue
-        if k == 0 or done[k - 1].error <= rung.error or done[k - 1].wall >= rung.wall:
-            return Cost(rung.wall, True)
+        if k == 0 or done[k - 1].error <= measured.error or done[k - 1].wall >= measured.wall:
+            return Cost(measured.wall, True)
         above = done[k - 1]
-        share = log(above.error / target) / log(above.error / rung.error)
-        return Cost(exp(log(above.wall) + share * log(rung.wall / above.wall)), True)
+        share = log(above.error / target) / log(above.error / measured.error)
+        return Cost(exp(log(above.wall) + share * log(measured.wall / above.wall)), True)
     resolved = [r for r in done if r.error < RESOLVED]
     if len(resolved) < 2:
         return Cost(nan, False)

@@ -1,4 +1,4 @@
-"""The scene as one ODE, at any times: what all tools are held against."""
+"""The scenario as one ODE, at any times: what all tools are held against."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Rows = NDArray[np.float64]
 class Reference:
     """Motion of the monolith, DOP853 at 1e-10, solved anew for every set of times asked for.
 
-    Some tools round their steps, so that their points lie beside those of the scene; they
+    Some tools round their steps, so that their points lie beside those of the scenario; they
     are compared at the times that they have really stepped to.
     """
 
-    def __init__(self, scene: str, library: Path, cycles: float) -> None:
-        self.plan: Plan = plan_of(scene, library, "ports", POINTS, cycles)
+    def __init__(self, scenario: str, library: Path, cycles: float) -> None:
+        self.plan: Plan = plan_of(scenario, library, "ports", POINTS, cycles)
         self.names = moving(self.plan)
         self._single = monolithic(self.plan, library)
         self._known: dict[bytes, Rows] = {}

@@ -10,37 +10,39 @@ from pathlib import Path
 from rich.table import Table
 
 from .figures import TARGET, Cost, cost
-from .rung import Rung
+from .measured_run import MeasuredRun
 
 Curve = tuple[str, str, str]
 OURS: Curve = ("ours", "gauss-seidel", "ports")
 
 
-def curves(rungs: Sequence[Rung]) -> dict[Curve, list[Rung]]:
+def curves(runs: Sequence[MeasuredRun]) -> dict[Curve, list[MeasuredRun]]:
     """Rungs of each tool, method and wiring, coarse to fine."""
-    found: dict[Curve, list[Rung]] = {}
-    for rung in rungs:
-        found.setdefault(rung.setting.curve, []).append(rung)
+    found: dict[Curve, list[MeasuredRun]] = {}
+    for measured in runs:
+        found.setdefault(measured.setting.curve, []).append(measured)
     return found
 
 
-def costs(rungs: Sequence[Rung]) -> dict[Curve, Cost]:
-    return {curve: cost(line) for curve, line in curves(rungs).items()}
+def costs(runs: Sequence[MeasuredRun]) -> dict[Curve, Cost]:
+    return {curve: cost(line) for curve, line in curves(runs).items()}
 
 
-def rung_table(title: str, rungs: Sequence[Rung]) -> Table:
-    """Every rung, those too that did not come to an end."""
+def rung_table(title: str, runs: Sequence[MeasuredRun]) -> Table:
+    """Every run, those too that did not come to an end."""
     made = Table(title=title, title_justify="left")
     for label in ("tool", "version", "method", "wiring", "steps/cycle or rtol", "error", "order",
                   "wall s", "doStep calls", "stroke deg", ""):  # fmt: skip
         made.add_column(label, justify="right" if label in RIGHT else "left")
-    for rung in rungs:
-        setting = rung.setting
+    for measured in runs:
+        setting = measured.setting
         made.add_row(
-            setting.tool, rung.version, setting.method, setting.wiring, f"{setting.place:g}",
-            *(_number(rung.error, ".2e"), _number(rung.order, ".2f"), _number(rung.wall, ".4f")),
-            *(str(rung.calls or ""), _number(rung.stroke, ".3f")),
-            "" if rung.status == "done" else f"{rung.status}: {rung.reason}",
+            setting.tool, measured.version, setting.method, setting.wiring, f"{setting.place:g}",
+            _number(measured.error, ".2e"),
+            _number(measured.order, ".2f"),
+            _number(measured.wall, ".4f"),
+            *(str(measured.calls or ""), _number(measured.stroke, ".3f")),
+            "" if measured.status == "done" else f"{measured.status}: {measured.reason}",
         )  # fmt: skip
     return made
 
@@ -48,9 +50,9 @@ def rung_table(title: str, rungs: Sequence[Rung]) -> Table:
 RIGHT = {"steps/cycle or rtol", "error", "order", "wall s", "doStep calls", "stroke deg"}
 
 
-def cost_table(rungs: Sequence[Rung]) -> Table:
+def cost_table(runs: Sequence[MeasuredRun]) -> Table:
     """Time to the target of each curve, and how many times ours."""
-    found = costs(rungs)
+    found = costs(runs)
     own = found.get(OURS)
     made = Table(title=f"time to an error of {TARGET:g}; ~ extrapolated", title_justify="left")
     for label in ("tool", "method", "wiring", "time s", "times ours"):
@@ -68,22 +70,22 @@ def ratio(one: Cost, own: Cost | None) -> str:
     return f"{'' if one.sure and own.sure else '~ '}{one.seconds / own.seconds:.3g}"
 
 
-def write(scene: str, rungs: Sequence[Rung], path: Path) -> None:
-    """One line for each rung."""
-    found = costs(rungs)
+def write(scenario: str, runs: Sequence[MeasuredRun], path: Path) -> None:
+    """One line for each run."""
+    found = costs(runs)
     own = found.get(OURS)
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(
-            ["scene", "tool", "version", "method", "wiring", "steps_per_cycle", "rtol", "status",
+            ["scenario", "tool", "version", "method", "wiring", "steps_per_cycle", "rtol", "status",
              "reason", "error", "order", "wall_s", "dostep_calls", "stroke_deg", "travel_m",
              "frequency_hz", "time_to_target_s", "extrapolated", "times_ours"]
         )  # fmt: skip
-        for r in rungs:
+        for r in runs:
             s, reached = r.setting, found[r.setting.curve]
             by_steps = s.ladder == "steps"
             writer.writerow(
-                [scene, s.tool, r.version, s.method, s.wiring, s.place if by_steps else "",
+                [scenario, s.tool, r.version, s.method, s.wiring, s.place if by_steps else "",
                  "" if by_steps else s.place, r.status, r.reason, r.error, r.order, r.wall, r.calls,
                  r.stroke, r.travel, r.frequency, reached.seconds, not reached.sure,
                  ratio(reached, own).removeprefix("~ ")]

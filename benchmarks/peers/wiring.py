@@ -1,4 +1,4 @@
-"""From a scene to a case: what the orchestrator has checked, so that nothing is written twice."""
+"""From a scenario to a case: what the orchestrator has checked, nothing written twice."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from orchestrator.scenario.plan import Plan
 from .case import Case, Component, Start, Watched, Wire
 
 WIRINGS = {"values": "held", "ports": "curvature"}
-"""Plain numbers of each port, or all of its members: the scene's key `laws` for each."""
+"""Plain numbers of each port, or all of its members: the scenario's key `laws` for each."""
 
 MOTIONS = ("displacement", "flap_angle")
 POINTS = 20
@@ -22,7 +22,7 @@ FLOWS = {"value": "velocity", "torque": "flap_rate"}
 
 
 def plan_of(
-    scene: str,
+    scenario: str,
     library: Path,
     wiring: str,
     per_cycle: int,
@@ -30,9 +30,9 @@ def plan_of(
     kind: str = "gauss-seidel",
     every: int = 1,
 ) -> Plan:
-    """The scene with one wiring, step and master, recorded every so many steps."""
+    """The scenario with one wiring, step and master, recorded every so many steps."""
     return load(
-        scene,
+        scenario,
         None,
         library,
         master={"laws": WIRINGS.get(wiring, "curvature"), "kind": kind},
@@ -47,11 +47,11 @@ def moving(plan: Plan) -> list[str]:
     return [name for name in names if name.rpartition(".")[2] in MOTIONS]
 
 
-def case_of(scene: str, library: Path, wiring: str, per_cycle: int, cycles: float) -> Case:
-    """A scene's case. Raises `ValueError` where a step or a wire cannot be given to others."""
+def case_of(scenario: str, library: Path, wiring: str, per_cycle: int, cycles: float) -> Case:
+    """A scenario's case. Raises `ValueError` where a step or a wire cannot be given to others."""
     if per_cycle % POINTS:
         raise ValueError(f"{per_cycle} steps per cycle: must be a multiple of {POINTS}")
-    plan = plan_of(scene, library, wiring, per_cycle, cycles)
+    plan = plan_of(scenario, library, wiring, per_cycle, cycles)
     for wired in plan.connections:
         if wired.gain != 1.0 or wired.offset != 0.0:
             raise ValueError(f"{wired.target}.{wired.input.name}: wires with a gain are not passed")
@@ -67,7 +67,7 @@ def case_of(scene: str, library: Path, wiring: str, per_cycle: int, cycles: floa
         reference = plan.interfaces[component].variables[variable].reference
         watched.append(Watched(component, variable, reference))
     return Case(
-        scene=scene,
+        scenario=scenario,
         library=str(library.resolve()),
         cycles=cycles,
         per_cycle=per_cycle,
@@ -83,7 +83,7 @@ def case_of(scene: str, library: Path, wiring: str, per_cycle: int, cycles: floa
 
 
 def _component(plan: Plan, name: str) -> Component:
-    """Start values as the scene sets them, held inputs among them.
+    """Start values as the scenario sets them, held inputs among them.
 
     Choices that differ from the FMU's own start are built into a variant of the FMU: half of
     the tools cannot set an enumeration, some without a word.

@@ -1,7 +1,7 @@
 """Double cone of dielectric elastomer films, n layers each, from one potential.
 
 With the heights h_top = L/2 + x, h_bottom = L/2 - x and Pi(h, V) the potential of a cone at
-equilibrium (direct.py; its table in potential.py),
+equilibrium (ritz_solver.py; its table in potential.py),
 
     F = -dPi/dh(h_top, V_top) + dPi/dh(h_bottom, V_bottom) - losses,    Q = -dPi/dV,
 

@@ -26,7 +26,7 @@ KEYS = (
     "lowest",
     "highest",
 )
-SOURCES = ("film.py", "direct.py", "surrogate.py", "tables.py", "materials.toml")
+SOURCES = ("film.py", "ritz_solver.py", "surrogate.py", "tables.py", "materials.toml")
 NODES = (24, 16)
 CELLS_X = 30
 CELLS_E = 20

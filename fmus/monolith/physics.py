@@ -1,7 +1,7 @@
 """The vehicle as one ODE behind the interface of a part, solved by scipy to a tolerance.
 
 Parameters and outputs are those of the parts it is composed of, under the parts' names:
-`amplifier.frequency`, `linkage.displacement`. A scene made of our parts becomes its own
+`amplifier.frequency`, `linkage.displacement`. A scenario made of our parts becomes its own
 reference by naming this part in place of them. Not held to the rules for native physics,
 except for its equations: it exists to be independent of the coupling, not to be fast.
 """

@@ -17,7 +17,7 @@ from ..generated import shipped, tuples
 HERE = Path(__file__).parent
 MEMBRANE = HERE.parent / "membrane"
 MATERIALS = MEMBRANE / "materials.toml"
-SOURCES = ("film.py", "direct.py", "surrogate.py", "tables.py", "materials.toml")
+SOURCES = ("film.py", "ritz_solver.py", "surrogate.py", "tables.py", "materials.toml")
 NODES = (20, 12)
 CELLS_X = 14
 CELLS_E = 8

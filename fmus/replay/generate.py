@@ -1,4 +1,6 @@
-"""The two files that a build puts in the place of the sample's: `record.json` and `told.py`.
+"""The two files that a build puts in the place of the sample's.
+
+They are `record.json` and `generated_outputs.py`.
 
 What a recording says comes from strangers. Names are checked to be names, every other text goes
 into the source as a literal.
@@ -29,7 +31,7 @@ class TooLong(ValueError):
 
 
 @dataclass(frozen=True)
-class Told:
+class ReplayedOutput:
     """One output: how it comes about, from which column, and which column is its rate (-1: none).
 
     `unit` is in SI as FMI writes it, "" where nothing is said.
@@ -49,7 +51,7 @@ class Told:
 class Record:
     """What is to be replayed; arrays as in :class:`orchestrator.recording.interpolation.Track`."""
 
-    outputs: Sequence[Told]
+    outputs: Sequence[ReplayedOutput]
     knots: NDArray[Any]
     pieces: NDArray[Any]
     last: NDArray[Any]
@@ -67,11 +69,11 @@ def files(record: Record) -> dict[str, bytes]:
     if count > MOST:
         raise TooLong(
             f"comes to {count} numbers, more than {MOST}: take fewer rows or columns, or give it"
-            " to a scene as data = ..., which needs no FMU"
+            " to a scenario as data = ..., which needs no FMU"
         )
     return {
         "replay/record.json": json.dumps(_numbers(record)).encode(),
-        "replay/told.py": source(record.outputs).encode(),
+        "replay/generated_outputs.py": source(record.outputs).encode(),
     }
 
 
@@ -88,8 +90,8 @@ def _numbers(record: Record) -> dict[str, Any]:
     }
 
 
-def source(outputs: Sequence[Told]) -> str:
-    """Text of `told.py`."""
+def source(outputs: Sequence[ReplayedOutput]) -> str:
+    """Text of `generated_outputs.py`."""
     fields = _fields(outputs)
     return "\n".join(
         [
@@ -100,21 +102,21 @@ def source(outputs: Sequence[Told]) -> str:
             "from dataclasses import dataclass",
             "",
             "from ..quantity import provided",
-            f"from .track import {', '.join(_used(outputs))}",
+            f"from .interpolation import {', '.join(_used(outputs))}",
             "",
             "",
             "@dataclass(frozen=True)",
             "class Output:",
             '    """Columns of the record, and members of laws that follow from them."""',
             "",
-            *(line for field, told in fields.items() for line in _declared(field, told)),
+            *(line for field, output in fields.items() for line in _declared(field, output)),
             "",
             "",
-            "def told(time: float, offset: float, size: float, before: float, after: float)"
+            "def outputs_at(time: float, offset: float, size: float, before: float, after: float)"
             " -> Output:",
             '    """Outputs at a time, at the end of a step of this size [s]; 0 for none yet."""',
             *_places(outputs),
-            *(line for field, told in fields.items() for line in _worked_out(field, told)),
+            *(line for field, output in fields.items() for line in _worked_out(field, output)),
             "    return Output(",
             *(f"        {field}={field}," for field in fields),
             "    )",
@@ -123,44 +125,44 @@ def source(outputs: Sequence[Told]) -> str:
     )
 
 
-def _fields(outputs: Sequence[Told]) -> dict[str, Told]:
+def _fields(outputs: Sequence[ReplayedOutput]) -> dict[str, ReplayedOutput]:
     """A Python name for each output."""
     taken = {"time", "offset", "size", "before", "after", "here", "start", "side"}
-    made: dict[str, Told] = {}
-    for told in outputs:
-        if not NAME.fullmatch(told.name) or (told.port and not NAME.fullmatch(told.port)):
-            raise ValueError(f"{told.name!r} is no name of a variable")
-        if told.unit:
-            exponents(told.unit)
-        field = re.sub(r"\W+", "_", told.name).strip("_") or "x"
+    made: dict[str, ReplayedOutput] = {}
+    for output in outputs:
+        if not NAME.fullmatch(output.name) or (output.port and not NAME.fullmatch(output.port)):
+            raise ValueError(f"{output.name!r} is no name of a variable")
+        if output.unit:
+            exponents(output.unit)
+        field = re.sub(r"\W+", "_", output.name).strip("_") or "x"
         while field in taken or field in made or keyword.iskeyword(field) or field in _FUNCTIONS:
             field += "_"
-        made[field] = told
+        made[field] = output
     return made
 
 
 _FUNCTIONS = {
     "place", "edge", "value", "slope", "curvature", "square_curvature", "next_event",
-    "Output", "told", "provided", "dataclass", "annotations",
+    "Output", "outputs_at", "provided", "dataclass", "annotations",
 }  # fmt: skip
 
 
-def _used(outputs: Sequence[Told]) -> list[str]:
-    """Names of `track.py` that the outputs call for."""
-    lines = [*_places(outputs), *(line for told in outputs for line in _worked_out("x", told))]
+def _used(outputs: Sequence[ReplayedOutput]) -> list[str]:
+    """Names of `interpolation.py` that the outputs call for."""
+    lines = [*_places(outputs), *(line for output in outputs for line in _worked_out("x", output))]
     called = {name for line in lines for name in re.findall(r"(\w+)\(", line)}
     return sorted(called)
 
 
-def _places(outputs: Sequence[Told]) -> list[str]:
+def _places(outputs: Sequence[ReplayedOutput]) -> list[str]:
     """Assignments of the places that the outputs are looked up at."""
     lines = []
-    if any(told.how in {"column", "curvature", "square"} for told in outputs):
+    if any(output.how in {"column", "curvature", "square"} for output in outputs):
         lines.append("    here = place(time - offset)")
-    if any(told.how in {"curvature", "square"} for told in outputs):
+    if any(output.how in {"curvature", "square"} for output in outputs):
         lines.append("    start = place(time - offset - size)")
-    if any(told.how == "slope" or (told.how in {"curvature", "square"} and told.rate < 0)
-           for told in outputs):  # fmt: skip
+    if any(output.how == "slope" or (output.how in {"curvature", "square"} and output.rate < 0)
+           for output in outputs):  # fmt: skip
         lines.append("    side = edge(time - offset, size)")
     return lines
 
@@ -171,31 +173,31 @@ def _literal(text: str) -> str:
     return f'"{text}"' if plain else repr(text)
 
 
-def _declared(field: str, told: Told) -> list[str]:
+def _declared(field: str, output: ReplayedOutput) -> list[str]:
     return [
         f"    {field}: float = provided(",
-        f"        {_literal(told.unit)},",
-        f"        {_literal(told.meaning)},",
-        f"        name={_literal(told.name)},",
-        f"        port={_literal(told.port)},",
-        f"        order={int(told.order)},",
+        f"        {_literal(output.unit)},",
+        f"        {_literal(output.meaning)},",
+        f"        name={_literal(output.name)},",
+        f"        port={_literal(output.port)},",
+        f"        order={int(output.order)},",
         "    )",
     ]
 
 
-def _worked_out(field: str, told: Told) -> list[str]:
+def _worked_out(field: str, output: ReplayedOutput) -> list[str]:
     """Assignment of one output."""
-    if told.how == "time":
+    if output.how == "time":
         return [f"    {field} = time"]
-    if told.how == "event":
+    if output.how == "event":
         return [f"    {field} = next_event(time - offset) + offset"]
-    j = int(told.column)
-    if told.how == "column":
+    j = int(output.column)
+    if output.how == "column":
         return [f"    {field} = value({j}, here, before, after)"]
-    if told.how == "slope":
+    if output.how == "slope":
         return [f"    {field} = slope({j}, side)"]
     rate = f"slope({j}, side)"
-    if told.rate >= 0:
-        rate = f"value({int(told.rate)}, here, before, after)"
-    function = "curvature" if told.how == "curvature" else "square_curvature"
+    if output.rate >= 0:
+        rate = f"value({int(output.rate)}, here, before, after)"
+    function = "curvature" if output.how == "curvature" else "square_curvature"
     return [f"    {field} = {function}({j}, {rate}, start, here, size, before, after)"]

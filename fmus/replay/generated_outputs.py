@@ -70,7 +70,7 @@ class Output:
     )
 
 
-def told(time: float, offset: float, size: float, before: float, after: float) -> Output:
+def outputs_at(time: float, offset: float, size: float, before: float, after: float) -> Output:
     """Outputs at a time, at the end of a step of this size [s]; 0 for none yet."""
     here = place(time - offset)
     start = place(time - offset - size)

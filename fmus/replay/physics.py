@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from ..quantity import parameter
 from .data import BEGIN, END, GRAIN, PERIOD
-from .generated_outputs import Output, told
+from .generated_outputs import Output, outputs_at
 from .interpolation import STOP
 
 __all__ = ["Input", "Output", "Params", "State", "advance", "initial", "observe"]
@@ -82,4 +82,4 @@ def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
 
 def observe(p: Params, x: State, u: Input, t: float) -> Output:
     """Columns and the members of laws that follow from them."""
-    return told(t, p.offset, x.size, p.before, p.after)
+    return outputs_at(t, p.offset, x.size, p.before, p.after)

@@ -1,4 +1,4 @@
-"""`resilin calibrate`: the fits behind the scenes, redone or looked at."""
+"""`resilin calibrate`: the fits behind the scenarios, redone or looked at."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ import typer
 
 from ..errors import InputError, ResilinError, printable
 
-SceneName = Annotated[str, typer.Argument(help="A shipped scene's name, or a TOML file.")]
+ScenarioName = Annotated[str, typer.Argument(help="A shipped scenario's name, or a TOML file.")]
 Sets = Annotated[
     list[str] | None,
     typer.Option("--set", help='Start value, as amplifier.frequency="20 Hz".'),
@@ -60,7 +60,7 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
 
 
 def library(fmus: Path, native: bool) -> Path:
-    """Folder in which a scene's parts are looked up."""
+    """Folder in which a scenario's parts are looked up."""
     if native and fmus != BUILT:
         raise InputError("--native and --fmus both name the folder of the parts: give one")
     return COMPILED if native else fmus
@@ -73,7 +73,7 @@ def overrides(
     step: str | None = None,
     tolerance: float | None = None,
 ) -> dict[str, dict[str, Any]]:
-    """Keys of a scene that options replace, those alone that were given."""
+    """Keys of a scenario that options replace, those alone that were given."""
     sized: Any = step
     if step is not None and step.split()[1:] == ["per", "cycle"] and step.split()[0].isdigit():
         sized = {"per_cycle": int(step.split()[0])}

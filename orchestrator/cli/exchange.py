@@ -1,4 +1,4 @@
-"""What editors and other tools need to know of scenes: `resilin schema`, `resilin export`."""
+"""What editors and other tools need to know of scenarios: `resilin schema`, `resilin export`."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def add_to(app: typer.Typer) -> None:
 
 
 def export(
-    scene: common.SceneName,
-    to: Annotated[Path | None, typer.Option(help="SSP archive; SCENE.ssp if not given.")] = None,
+    scenario: common.ScenarioName,
+    to: Annotated[Path | None, typer.Option(help="SSP archive; SCENARIO.ssp if not given.")] = None,
     also: Annotated[
         list[str] | None,
         typer.Option(help='Further parameter set, as cold:spring.damping="2 N*s/m"; repeatable.'),
@@ -37,7 +37,7 @@ def export(
     native: common.Native = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Write a scene as an SSP archive: structure, parameters and FMUs, for other tools.
+    """Write a scenario as an SSP archive: structure, parameters and FMUs, for other tools.
 
     Example: resilin export flapping-full-wings --to vehicle.ssp --native
     """
@@ -45,7 +45,7 @@ def export(
     from ..scenario.ssp.write import VERSIONS, Package, write_ssp
     from ..simulation.load import load
 
-    target = to or Path(f"{Path(scene).stem}.ssp")
+    target = to or Path(f"{Path(scenario).stem}.ssp")
     with common.reported(), tempfile.TemporaryDirectory(prefix="resilin_export_") as folder:
         if target.suffix != ".ssp":
             raise OutputError(f"{target}: SSP archives are called *.ssp")
@@ -53,8 +53,8 @@ def export(
             raise InputError(f"--ssp {version}: is not written; there is {', '.join(VERSIONS)}")
         options = common.overrides(laws, kind, stop, step)
         library = common.library(fmus, native)
-        plan = load(scene, common.assignments(set_), library, **options)
-        sets = _sets(scene, also or [], library, options)
+        plan = load(scenario, common.assignments(set_), library, **options)
+        sets = _sets(scenario, also or [], library, options)
         files, built_in = _made(plan, Path(folder))
         remarks = write_ssp(Package(plan, files, built_in, sets, version), target)
     if not quiet:
@@ -64,18 +64,18 @@ def export(
 
 
 def _made(plan: Plan, folder: Path) -> tuple[dict[str, Path], frozenset[str]]:
-    """FMUs built for an archive: recordings, and parts that start with the choices of the scene.
+    """FMUs built for an archive: recordings, and parts that start with the choices of the scenario.
 
     An archive cannot hold a recording as it is, and other tools do not read choices from it.
     """
-    from ..errors import SceneError
+    from ..errors import ScenarioError
 
     if not (plan.recordings or any(_choices(plan, name) for name in plan.interfaces)):
         return {}, frozenset()
     try:
         import build_fmus
     except ImportError:
-        raise SceneError("nothing can be built for the archive without build_fmus.py") from None
+        raise ScenarioError("nothing can be built for the archive without build_fmus.py") from None
     files: dict[str, Path] = {}
     built_in: set[str] = set()
     try:
@@ -94,12 +94,12 @@ def _made(plan: Plan, folder: Path) -> tuple[dict[str, Path], frozenset[str]]:
             files[name] = built.path
             built_in |= {f"{name}.{key}" for key in choices}
     except build_fmus.BuildError as error:
-        raise SceneError(str(error)) from None
+        raise ScenarioError(str(error)) from None
     return files, frozenset(built_in)
 
 
 def _choices(plan: Plan, name: str) -> dict[str, str]:
-    """What a scene chooses of a part of ours otherwise than the part itself, by parameter."""
+    """What a scenario chooses of a part of ours otherwise than the part itself, by parameter."""
     interface = plan.interfaces[name]
     found = {}
     for key, value in plan.starts.get(name, {}).items():
@@ -110,7 +110,7 @@ def _choices(plan: Plan, name: str) -> dict[str, str]:
 
 
 def _sets(
-    scene: str, texts: list[str], library: Path, options: dict[str, dict[str, object]]
+    scenario: str, texts: list[str], library: Path, options: dict[str, dict[str, object]]
 ) -> dict[str, dict[str, float | str]]:
     """Parameter sets of `NAME:component.parameter=value` texts, in the FMUs' units."""
     from ..errors import InputError
@@ -124,15 +124,15 @@ def _sets(
         wanted.setdefault(name, {}).update(common.assignments([assignment], "--also"))
     made: dict[str, dict[str, float | str]] = {}
     for name, changes in wanted.items():
-        starts = load(scene, changes, library, **options).starts
+        starts = load(scenario, changes, library, **options).starts
         made[name] = {key: starts[key.partition(".")[0]][key.partition(".")[2]] for key in changes}
     return made
 
 
 def schema() -> None:
-    """Print the JSON Schema of scene files, for completion and checks in an editor.
+    """Print the JSON Schema of scenario files, for completion and checks in an editor.
 
-    Example: resilin schema > scene.schema.json
+    Example: resilin schema > scenario.schema.json
     """
     from ..scenario.schema import json_schema
 

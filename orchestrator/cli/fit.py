@@ -22,7 +22,7 @@ def add_to(app: typer.Typer) -> None:
 def fit(
     recording: Annotated[Path, typer.Argument(help="File of what went in and what came out.")],
     part: Annotated[
-        list[str], typer.Option(help="Part, FMU file, or with --scene a component; repeatable.")
+        list[str], typer.Option(help="Part, FMU file, or with --scenario a component; repeatable.")
     ],
     parameters: Annotated[
         list[str],
@@ -30,15 +30,15 @@ def fit(
             "--parameters", "--parameter", help='As mass, "mass=0.3 g:2 g", or spring.damping.'
         ),
     ],
-    scene: Annotated[
-        str | None, typer.Option(help="Scene in which the parts stand: its wires, start values.")
+    scenario: Annotated[
+        str | None, typer.Option(help="Scenario in which the parts stand: its wires, start values.")
     ] = None,
     outputs: Annotated[
         list[str] | None, typer.Option("--output", help="Recorded outputs that count; patterns.")
     ] = None,
     keys: Annotated[
         list[str] | None,
-        typer.Option("--with", help="Keys of a recording in a scene, as interpolation=linear."),
+        typer.Option("--with", help="Keys of a recording in a scenario, as interpolation=linear."),
     ] = None,
     hold: Annotated[
         list[str] | None, typer.Option(help='Input that was not recorded, as force.value="0 N".')
@@ -92,7 +92,7 @@ def fit(
         if late < 0.0 or (size is not None and size <= 0.0):
             raise InputError("--step has to be above zero, --skip not below it")
         asked = Asked(
-            part, scene, pairs(keys, "--with"), pairs(hold, "--hold"), tuple(outputs or ()),
+            part, scenario, pairs(keys, "--with"), pairs(hold, "--hold"), tuple(outputs or ()),
             pairs(set_, "--set"), size,
         )  # fmt: skip
         case = case_of(recording, asked, common.library(fmus, native))

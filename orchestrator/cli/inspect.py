@@ -1,4 +1,4 @@
-"""`resilin inspect`, `resilin scenes`: what there is, before anything runs."""
+"""`resilin inspect`, `resilin scenarios`: what there is, before anything runs."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 def add_to(app: typer.Typer) -> None:
     """Register the commands."""
     app.command("inspect")(inspect)
-    app.command("scenes")(scenes)
+    app.command("scenarios")(scenarios)
 
 
 def inspect(
-    scene: common.SceneName,
+    scenario: common.ScenarioName,
     set_: common.Sets = None,
     laws: common.Laws = None,
     kind: common.Kind = None,
@@ -36,7 +36,7 @@ def inspect(
     ] = False,
     json: common.Json = False,
 ) -> None:
-    """Check a scene and show what it is made of; nothing is loaded or stepped.
+    """Check a scenario and show what it is made of; nothing is loaded or stepped.
 
     Example: resilin inspect flapping-full-wings --diagram vehicle.svg
     """
@@ -44,7 +44,7 @@ def inspect(
 
     with common.reported():
         options = common.overrides(laws, kind)
-        plan = load(scene, common.assignments(set_), fmus, **options)
+        plan = load(scenario, common.assignments(set_), fmus, **options)
         if diagram is not None:
             from ..scenario.diagram.draw import draw
 
@@ -68,7 +68,7 @@ def inspect(
 
 
 def _stability(plan: Plan) -> str:
-    """What the linear step map says of the scene's master and step, the wire named."""
+    """What the linear step map says of the scenario's master and step, the wire named."""
     from ..simulation.linear.step_map import MAPPED, SLACK, quiet, step_map
 
     kind = plan.scenario.master.kind
@@ -86,13 +86,13 @@ def _stability(plan: Plan) -> str:
     )
 
 
-def scenes() -> None:
-    """List the scenes that come with the package.
+def scenarios() -> None:
+    """List the scenarios that come with the package.
 
-    Example: resilin scenes
+    Example: resilin scenarios
     """
-    from ..scenario.files import scene_names
+    from ..scenario.files import scenario_names
     from ..scenario.parse import load_scenario
 
-    for name in scene_names():
+    for name in scenario_names():
         typer.echo(f"{name:24} {load_scenario(name)[0].title}")

@@ -1,4 +1,4 @@
-"""`resilin linearise`: poles, frequency response and coupling stability of a scene at rest."""
+"""`resilin linearise`: poles, frequency response and coupling stability of a scenario at rest."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def add_to(app: typer.Typer) -> None:
 
 
 def linearise(
-    scene: common.SceneName,
+    scenario: common.ScenarioName,
     input_: Annotated[
         list[str] | None, typer.Option("--input", help="Held input to nudge; all if not given.")
     ] = None,
@@ -46,7 +46,7 @@ def linearise(
     fmus: common.Library = common.BUILT,
     json: common.Json = False,
 ) -> None:
-    """Linearise a scene about its state of rest, through the FMUs alone.
+    """Linearise a scenario about its state of rest, through the FMUs alone.
 
     Example: resilin linearise oscillator-1 --set amplifier.waveform=external
     --hold amplifier.command.top="1 kV" --bode bode.svg
@@ -58,7 +58,7 @@ def linearise(
     with common.reported():
         options: dict[str, Any] = common.overrides(laws, kind, step=step)
         held = common.assignments(hold, "--hold")
-        plan = load(scene, common.assignments(set_), fmus, **options, hold=held)
+        plan = load(scenario, common.assignments(set_), fmus, **options, hold=held)
         found = linearised(plan, input_, output)
         mapped = step_map(plan)
         radii = {name: mapped.radius(name) for name in MAPPED}

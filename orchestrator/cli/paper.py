@@ -43,17 +43,17 @@ def paper(
 ) -> None:
     """Reproduce the paper: run what its figures and tables need, write one page that says how near.
 
-    Finished runs are kept beside the page and not repeated while scene, FMUs and version stay.
+    Finished runs are kept beside the page and not repeated while scenario, FMUs and version stay.
 
     Example: resilin paper figure11 equation6
     """
     from ..report.page import prepare, write
     from ..simulation.interrupt import Interrupt
-    from ..studies.paper.cached_runs import Lab
+    from ..studies.paper.cached_runs import CachedRuns
     from ..studies.paper.page import facts, page
     from ..studies.paper.page import pictures as drawn
     from ..studies.paper.reproduction import chosen, reproduced
-    from ..studies.paper.store import Store
+    from ..studies.paper.store import RunCache
 
     shown = sys.stderr.isatty() and not (quiet or json)
 
@@ -65,9 +65,9 @@ def paper(
         names = chosen(items or [])
         parts = _library(fmus, native)
         prepare(output)
-        runs = Store(output.with_name(f"{output.stem}.runs"))
-        with Lab(parts, runs, workers, interrupt.check, tell) as lab:
-            found = reproduced(names, lab)
+        runs = RunCache(output.with_name(f"{output.stem}.runs"))
+        with CachedRuns(parts, runs, workers, interrupt.check, tell) as cached_runs:
+            found = reproduced(names, cached_runs)
         written = write(page(found, parts), output)
         files = drawn(found, output.parent) if pictures else []
     if json:

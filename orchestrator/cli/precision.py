@@ -11,7 +11,7 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
-    from ..studies.precision.study import Rung
+    from ..studies.precision.study import MeasuredRun
 
 
 def add_to(app: typer.Typer) -> None:
@@ -20,14 +20,14 @@ def add_to(app: typer.Typer) -> None:
 
 
 def precision(
-    scene: common.SceneName,
+    scenario: common.ScenarioName,
     method: Annotated[
         list[str] | None,
         typer.Option(help="Master, or master/laws as jacobi/held; may repeat. All if not given."),
     ] = None,
     factor: Annotated[
         list[float] | None,
-        typer.Option(help="Steps as multiples of the scene's; 8 to 1/8 if not given."),
+        typer.Option(help="Steps as multiples of the scenario's; 8 to 1/8 if not given."),
     ] = None,
     tolerance: Annotated[
         list[float] | None,
@@ -35,7 +35,7 @@ def precision(
     ] = None,
     also: Annotated[
         list[str] | None,
-        typer.Option(help="Another scene at the same steps, against the same reference."),
+        typer.Option(help="Another scenario at the same steps, against the same reference."),
     ] = None,
     reference: Annotated[
         str | None, typer.Option(help="monolith or self; the first that can be had if not given.")
@@ -45,7 +45,7 @@ def precision(
     ] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Runs whose least wall time counts.")] = 3,
     output: Annotated[
-        Path | None, typer.Option(help="CSV; results/SCENE.precision.csv if not given.")
+        Path | None, typer.Option(help="CSV; results/SCENARIO.precision.csv if not given.")
     ] = None,
     set_: common.Sets = None,
     stop: common.Stop = None,
@@ -55,7 +55,7 @@ def precision(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scene by every method over a ladder of steps: error, order and run time of each.
+    """Run a scenario by every method over a ladder of steps: error, order and run time of each.
 
     Example: resilin precision flapping-full-wings --stop "10 cycles"
     """
@@ -69,11 +69,14 @@ def precision(
     from ..studies.precision.study import precision as study_precision
     from ..studies.precision.table import advice, draw, facts, table, write
 
-    target = output or Path("results") / f"{Path(scene).stem}.precision.csv"
+    target = output or Path("results") / f"{Path(scenario).stem}.precision.csv"
 
-    def tell(rung: Rung) -> None:
+    def tell(measured: MeasuredRun) -> None:
         if sys.stderr.isatty() and not (quiet or json):
-            typer.echo(f"{rung.method}, step {rung.step:.4g} s: {rung.status[:60]}", err=True)
+            typer.echo(
+                f"{measured.method}, step {measured.step:.4g} s: {measured.status[:60]}",
+                err=True,
+            )
 
     with Interrupt() as interrupt, common.reported():
         if reference not in (None, "monolith", "self"):
@@ -86,7 +89,7 @@ def precision(
         if html is not None:
             prepare_page(html)
         study = study_precision(
-            scene,
+            scenario,
             common.library(fmus, native),
             methods=[parse_method(text) for text in method or []] or None,
             ladder=factor or LADDER,
@@ -105,7 +108,7 @@ def precision(
         if html is not None:
             write_page(page(study), html)
     if json:
-        common.print_json({"reference": study.reference, "rungs": facts(study)})
+        common.print_json({"reference": study.reference, "runs": facts(study)})
     elif not quiet:
         from rich.console import Console
 

@@ -16,11 +16,11 @@ def add_to(app: typer.Typer) -> None:
 
 
 def record(
-    scene: common.SceneName,
-    part: Annotated[str, typer.Option(help="Component of the scene whose outputs are kept.")],
+    scenario: common.ScenarioName,
+    part: Annotated[str, typer.Option(help="Component of the scenario whose outputs are kept.")],
     output: Annotated[
         Path | None,
-        typer.Option(help="Recording, .csv or .nc; results/SCENE-PART.csv if not given."),
+        typer.Option(help="Recording, .csv or .nc; results/SCENARIO-PART.csv if not given."),
     ] = None,
     set_: common.Sets = None,
     laws: common.Laws = None,
@@ -32,27 +32,29 @@ def record(
     native: common.Native = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scene and keep what one part puts out, as a recording that can take its place.
+    """Run a scenario and keep what one part puts out, as a recording that can take its place.
 
     Example: resilin record flapping-full-wings --part amplifier --stop "10 cycles"
     """
     from ..errors import OutputError
     from ..results.netcdf import prepare
-    from ..results.port_recording import taped, write_tape
+    from ..results.port_recording import with_recorded_ports, write_port_recording
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load
     from ..simulation.run import run
 
     with Interrupt() as interrupt, common.reported():
-        target = output or Path("results") / f"{Path(scene).stem}-{part}.csv"
+        target = output or Path("results") / f"{Path(scenario).stem}-{part}.csv"
         if target.suffix not in {".csv", ".nc"}:
             raise OutputError(f"{target}: recordings are written as .csv or .nc")
         options = common.overrides(laws, kind, stop, step, tolerance)
         library = common.library(fmus, native)
-        plan = taped(load(scene, common.assignments(set_), library, **options), part)
+        plan = with_recorded_ports(
+            load(scenario, common.assignments(set_), library, **options), part
+        )
         prepare(target.with_suffix(".nc"))
         outcome = run(plan, interrupt=interrupt, estimate=False)
-        written = write_tape(outcome, target)
+        written = write_port_recording(outcome, target)
         if not quiet:
             typer.echo(f"{outcome.kept} rows of {len(outcome.names)} variables: {written}")
         if outcome.failure is not None:

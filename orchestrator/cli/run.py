@@ -1,4 +1,4 @@
-"""`resilin run`: a scene from start to stop, its result, its picture, its numbers."""
+"""`resilin run`: a scenario from start to stop, its result, its picture, its numbers."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def add_to(app: typer.Typer) -> None:
 
 
 def run(
-    scene: common.SceneName,
+    scenario: common.ScenarioName,
     output: Annotated[
-        Path | None, typer.Option(help="Result file; results/SCENE.nc if not given.")
+        Path | None, typer.Option(help="Result file; results/SCENARIO.nc if not given.")
     ] = None,
     set_: common.Sets = None,
     laws: common.Laws = None,
@@ -46,7 +46,7 @@ def run(
         bool, typer.Option("--verbose", help="Print calls, energies and messages too.")
     ] = False,
 ) -> None:
-    """Run a scene; write its result, draw it, print the numbers that matter.
+    """Run a scenario; write its result, draw it, print the numbers that matter.
 
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz" --estimate
     """
@@ -55,11 +55,11 @@ def run(
     from ..simulation.load import load
     from ..simulation.run import run as run_plan
 
-    target = output or Path("results") / f"{Path(scene).stem}.nc"
+    target = output or Path("results") / f"{Path(scenario).stem}.nc"
     with Interrupt() as interrupt, common.reported():
         options = common.overrides(laws, kind, stop, step, tolerance)
         parts = common.library(fmus, native)
-        plan = load(scene, common.assignments(set_), parts, **options)
+        plan = load(scenario, common.assignments(set_), parts, **options)
         prepare(target)
         interrupt.check()
         clear(target)

@@ -21,8 +21,8 @@ def add_to(app: typer.Typer) -> None:
 
 
 def stability(
-    scene: Annotated[
-        str | None, typer.Argument(help="A scene, in place of the list of extreme cases.")
+    scenario: Annotated[
+        str | None, typer.Argument(help="A scenario, in place of the list of extreme cases.")
     ] = None,
     cases: Annotated[
         Path | None, typer.Option(help="TOML file of cases; the shipped one if not given.")
@@ -58,7 +58,7 @@ def stability(
     from ..errors import InputError
     from ..report.page import prepare as prepare_page
     from ..report.page import write as write_page
-    from ..scenario.files import scene_names, scene_path
+    from ..scenario.files import scenario_names, scenario_path
     from ..simulation.interrupt import Interrupt
     from ..studies.precision.method import parse_method
     from ..studies.stability import Case, load_cases
@@ -68,20 +68,20 @@ def stability(
     from ..studies.stability.page import page
 
     with Interrupt() as interrupt, common.reported():
-        if scene is not None and (cases or case):
-            raise InputError("stability: takes a scene or a list of cases, not both")
-        if set_ and scene is None:
-            raise InputError("--set: needs a scene; the cases of a list have their own")
-        if scene is not None:
-            path = scene_path(scene)
-            name = scene if scene in scene_names() else str(path.absolute())
+        if scenario is not None and (cases or case):
+            raise InputError("stability: takes a scenario or a list of cases, not both")
+        if set_ and scenario is None:
+            raise InputError("--set: needs a scenario; the cases of a list have their own")
+        if scenario is not None:
+            path = scenario_path(scenario)
+            name = scenario if scenario in scenario_names() else str(path.absolute())
             changes = common.assignments(set_)
-            listed = [Case(name=path.stem, scene={"extends": name}, set=dict(changes))]
+            listed = [Case(name=path.stem, scenario={"extends": name}, set=dict(changes))]
             file = Path(f"{path.stem}.toml").absolute()
         else:
             file = cases or shipped()
             listed = load_cases(file, case)
-        target = output or Path("results") / f"{'stability' if scene is None else file.stem}.csv"
+        target = output or Path("results") / f"{'stability' if scenario is None else file.stem}.csv"
         target.parent.mkdir(parents=True, exist_ok=True)
         if html is not None:
             prepare_page(html)
@@ -126,7 +126,7 @@ def _report(study: Study, files: dict[str, Path | None]) -> None:
     typer.echo(legend())
     lines = {
         "all": study.count(),
-        "the scenes' own": study.count("usual"),
+        "the scenarios' own": study.count("usual"),
         "step = auto": study.count("auto"),
     }
     for label, found in lines.items():

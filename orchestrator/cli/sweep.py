@@ -1,4 +1,4 @@
-"""`resilin sweep`: a scene over ranges of its start values."""
+"""`resilin sweep`: a scenario over ranges of its start values."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ def add_to(app: typer.Typer) -> None:
 
 
 def sweep(
-    scene: common.SceneName,
+    scenario: common.ScenarioName,
     over: Annotated[
         list[str],
         typer.Option(help="Axis, as amplifier.frequency=1:50:2Hz, =1:50/26Hz or =2,4,6,8."),
     ],
     output: Annotated[
-        Path | None, typer.Option(help="Result file; results/SCENE.sweep.nc if not given.")
+        Path | None, typer.Option(help="Result file; results/SCENARIO.sweep.nc if not given.")
     ] = None,
     set_: common.Sets = None,
     laws: common.Laws = None,
@@ -46,7 +46,7 @@ def sweep(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scene at every point of a grid of start values; keep its metrics.
+    """Run a scenario at every point of a grid of start values; keep its metrics.
 
     A point that fails costs that point alone. A sweep that was stopped goes on where it was when
     the same command is given again.
@@ -57,10 +57,10 @@ def sweep(
     from ..studies.sweep.study import parse_axis
     from ..studies.sweep.study import sweep as run_sweep
 
-    target = output or Path("results") / f"{Path(scene).stem}.sweep.nc"
+    target = output or Path("results") / f"{Path(scenario).stem}.sweep.nc"
     with Interrupt() as interrupt, common.reported():
         data = run_sweep(
-            scene,
+            scenario,
             [parse_axis(text) for text in over],
             common.library(fmus, native),
             target,

@@ -1,4 +1,4 @@
-"""Headings of a file, and which of them a scene takes as what."""
+"""Headings of a file, and which of them a scenario takes as what."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Heading:
 
 @dataclass(frozen=True)
 class Choice:
-    """What a scene says of the columns: whose they are, what they become, their units."""
+    """What a scenario says of the columns: whose they are, what they become, their units."""
 
     component: str = ""
     columns: Mapping[str, str] | None = None
@@ -97,7 +97,7 @@ class Choice:
         return taken
 
     def _column(self, heading: Heading, place: int, name: str, problems: list[str]) -> Column:
-        """A column with its unit: the file's, else the scene's."""
+        """A column with its unit: the file's, else the scenario's."""
         units = self.units or {}
         keys = [key for key in (heading.text, heading.name, name) if key in units]
         given = units[keys[0]] if keys else ""

@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UnitFailure
+from ..errors import InstanceFailure
 from ..fmi.description import Variable
-from ..fmi.instance.base import Unit, Values
+from ..fmi.instance.base import Instance, Values
 from .recording import Recording
 
 
-class Recorded(Unit):
+class RecordingInstance(Instance):
     """A recording in the place of an FMU; its state is where it is in time.
 
-    Stepping past the end of the record, or starting before it, is a `UnitFailure` unless the
-    scene says what holds there.
+    Stepping past the end of the record, or starting before it, is a `InstanceFailure` unless the
+    scenario says what holds there.
     """
 
     def __init__(self, name: str, recording: Recording) -> None:
@@ -67,7 +67,7 @@ class Recorded(Unit):
 
     def _go(self, time: float, size: float) -> None:
         if reason := self._recording.allows(time):
-            raise UnitFailure(f"{self.name}: t = {time:.9g} s: {reason}")
+            raise InstanceFailure(f"{self.name}: t = {time:.9g} s: {reason}")
         self._time, self._size = time, size
 
     def receive(self, group: int = -1) -> None:
@@ -80,7 +80,7 @@ class Recorded(Unit):
     def set(self, start: dict[str, float | str]) -> None:
         """Refused: there is nothing to set."""
         if start:
-            raise UnitFailure(f"{self.name}: a recording has no parameter {min(start)!r}")
+            raise InstanceFailure(f"{self.name}: a recording has no parameter {min(start)!r}")
 
     def save(self) -> Any:
         """Time and size of the last step."""

@@ -25,7 +25,7 @@ READERS: dict[str, Callable[[Path, Choice], Table]] = {
     ".parquet": read_parquet,
 }
 LARGEST = 512 << 20
-"""Bytes that a recording may have, unless the scene says otherwise."""
+"""Bytes that a recording may have, unless the scenario says otherwise."""
 ALIKE = 0.01
 EVEN = 0.9
 LONG = 1.5

@@ -1,4 +1,4 @@
-"""A recording as a scene takes it: its interface, and its outputs at any time."""
+"""A recording as a scenario takes it: its interface, and its outputs at any time."""
 
 from __future__ import annotations
 
@@ -118,13 +118,13 @@ class Recording:
         return self.events[0] + shift + self.track.period if self.track.period else NEVER
 
 
-def open_recording(component: RecordingSettings, scene: Path) -> Recording:
-    """Recording of a scene's component, its file from the scene's folder.
+def open_recording(component: RecordingSettings, scenario: Path) -> Recording:
+    """Recording of a scenario's component, its file from the scenario's folder.
 
     Raises :class:`RecordingError` with file, place and remedy.
     """
     given = Path(component.data or "")
-    path = given if given.is_absolute() else scene.parent / given
+    path = given if given.is_absolute() else scenario.parent / given
     try:
         stamp = path.stat().st_mtime_ns, path.stat().st_size
     except (OSError, ValueError):

@@ -1,6 +1,6 @@
 """A page: title, facts and sections, rendered by escaping templates into one file.
 
-Texts come from scenes, FMUs and files of strangers: jinja2 escapes all of them, data stand in
+Texts come from scenarios, FMUs and files of strangers: jinja2 escapes all of them, data stand in
 `<script type="application/json">` without any `<`, and the Content-Security-Policy lets
 the page's own style and script run, by their digests, and nothing reach the network.
 """

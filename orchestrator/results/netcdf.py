@@ -32,7 +32,7 @@ from .outcome import Outcome
 def dataset(outcome: Outcome) -> xarray.Dataset:
     """Recorded values over time, named `component.variable`, units and meaning as attributes.
 
-    The dataset's attributes hold what is needed to run it again: scene, FMU digests,
+    The dataset's attributes hold what is needed to run it again: scenario, FMU digests,
     versions, master, step; and how it went. Of a run that left memory in segments only the last
     rows are here: :func:`write` puts all of it into one file.
     """
@@ -86,8 +86,8 @@ def provenance(plan: Plan) -> dict[str, Any]:
     archives = {name: hashes[interface.path] for name, interface in plan.interfaces.items()}
     return {
         "title": plan.scenario.title,
-        "scene": plan.scenario.model_dump_json(by_alias=True),
-        "scene_file": str(plan.path),
+        "scenario": plan.scenario.model_dump_json(by_alias=True),
+        "scenario_file": str(plan.path),
         "fmu_guids": json.dumps(digests),
         "fmu_sha256": json.dumps(archives),
         "resilin_version": release,

@@ -13,12 +13,12 @@ from ..scenario.plan import Plan
 from .netcdf import partial_path, provenance, write
 from .outcome import Outcome, whole
 
-UNTOLD = {"scene", "fmu_guids"}
+OMITTED = {"scenario", "fmu_guids"}
 """Provenance too long for a comment line."""
 
 
-def taped(plan: Plan, part: str) -> Plan:
-    """The same scene, with the outputs of one component recorded at every point of its grid.
+def with_recorded_ports(plan: Plan, part: str) -> Plan:
+    """The same scenario, with the outputs of one component recorded at every point of its grid.
 
     These are all members of its ports, what is wired beside them, and announced events; of a
     unit without ports and wires, all outputs. `InputError` where there is no such component.
@@ -41,8 +41,8 @@ def _outputs(plan: Plan, part: str) -> list[Variable]:
     return [v for v in outputs if v in crossing or v.name == EVENT] if crossing else outputs
 
 
-def write_tape(outcome: Outcome, path: Path) -> Path:
-    """Write a taped outcome as .nc or .csv; beside it as partial where the run stopped."""
+def write_port_recording(outcome: Outcome, path: Path) -> Path:
+    """Write such a run as .nc or .csv; as `.partial` where it stopped early."""
     if path.suffix == ".nc":
         return write(outcome, path)
     target = path
@@ -63,7 +63,7 @@ def write_tape(outcome: Outcome, path: Path) -> Path:
 def _lines(outcome: Outcome) -> Iterator[str]:
     """Provenance as comments, headings with units, rows whose numbers read back as they are."""
     plan = outcome.plan
-    said = {k: v for k, v in provenance(plan).items() if k not in UNTOLD}
+    said = {k: v for k, v in provenance(plan).items() if k not in OMITTED}
     said |= {"component": plan.records[0][0], "complete": int(outcome.failure is None)}
     for key, value in said.items():
         yield f"# {key}: {printable(str(value), most=2000)}"

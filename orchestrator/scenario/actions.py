@@ -50,7 +50,7 @@ def actions_of(
 def _settable(
     component: str, name: str, interfaces: dict[str, Interface], held: dict[str, float]
 ) -> Variable:
-    """A variable that may be set while the scene runs; `UnitError` says why it may not."""
+    """A variable that may be set while the scenario runs; `UnitError` says why it may not."""
     if component not in interfaces:
         raise UnitError(f"no component {printable(component)!r}; {nearest(component, interfaces)}")
     interface = interfaces[component]

@@ -1,4 +1,4 @@
-"""Keys of a recorded component as texts: from options of a command, not from a scene's file."""
+"""Keys of a recorded component as texts: from options of a command, not from a scenario's file."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError
+from ..errors import ScenarioError
 from .parse import scenario_of
 from .schema import Component
 
@@ -14,7 +14,7 @@ from .schema import Component
 def component_of(path: Path, name: str, keys: Mapping[str, str]) -> Component:
     """A component of the file with what is said of it, as `repeat` or `columns.U (kV)`.
 
-    Raises :class:`SceneError` with each key that is none or has no such value.
+    Raises :class:`ScenarioError` with each key that is none or has no such value.
     """
     tree: dict[str, Any] = {"data": str(path.absolute())}
     for key, text in keys.items():
@@ -25,6 +25,6 @@ def component_of(path: Path, name: str, keys: Mapping[str, str]) -> Component:
             tree[key] = {"true": True, "false": False}.get(text, text)
     try:
         return scenario_of({"components": {name: tree}}, path).components[name]
-    except SceneError as error:
+    except ScenarioError as error:
         place = f"{path}: components.{name}."
-        raise SceneError([p.replace(place, "") for p in error.problems]) from None
+        raise ScenarioError([p.replace(place, "") for p in error.problems]) from None

@@ -1,11 +1,11 @@
-"""Wires of a scene held against the FMUs: ports, causality, types, units, and what is held."""
+"""Wires of a scenario held against the FMUs: ports, causality, types, units, and what is held."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
 
-from ..errors import SceneError, nearest, printable
+from ..errors import ScenarioError, nearest, printable
 from ..fmi.description import Interface, Variable
 from ..units import UnitError, factor
 from .schema import Scenario, Wire
@@ -43,7 +43,7 @@ def connections_of(
                 scale = factor(output.unit, input_.unit) if output.unit and input_.unit else 1.0
                 name = f"{target}.{input_.name}"
                 if name in fed:
-                    raise SceneError(f"{name} is fed twice, by {fed[name]} too")
+                    raise ScenarioError(f"{name} is fed twice, by {fed[name]} too")
                 fed[name] = where
                 _check_types(output, input_, wire)
                 if input_.order > most or output.order > most:
@@ -51,35 +51,35 @@ def connections_of(
                 connections.append(
                     Connection(source, output, target, input_, scale * wire.gain, wire.offset)
                 )
-        except (SceneError, UnitError) as error:
+        except (ScenarioError, UnitError) as error:
             problems.append(f"{where}: {error}")
             continue
     return connections
 
 
 def _check_types(output: Variable, target: Variable, wire: Wire) -> None:
-    """`SceneError` where a value could not pass from one type to the other without loss."""
+    """`ScenarioError` where a value could not pass from one type to the other without loss."""
     for variable in (output, target):
         if not variable.numeric:
-            raise SceneError(f"{variable.name} is a {variable.kind}; only numbers can be wired")
+            raise ScenarioError(f"{variable.name} is a {variable.kind}; only numbers can be wired")
     if target.real:
         return
     kinds = f"{output.name} is {output.kind}, {target.name} is {target.kind}"
     if wire.gain != 1.0 or wire.offset != 0.0:
-        raise SceneError(f"{kinds}: gain and offset are for real numbers")
+        raise ScenarioError(f"{kinds}: gain and offset are for real numbers")
     if output.real:
-        raise SceneError(f"{kinds}: a real number does not pass into it without loss")
+        raise ScenarioError(f"{kinds}: a real number does not pass into it without loss")
     if target.kind == "Boolean" and output.kind != "Boolean":
-        raise SceneError(f"{kinds}: only true and false pass into it")
+        raise ScenarioError(f"{kinds}: only true and false pass into it")
     if target.kind == "Enumeration":
         alike = (output.choices, output.codes) == (target.choices, target.codes)
         if output.kind != "Enumeration" or not alike:
-            raise SceneError(f"{kinds}: only the same choices pass into it")
+            raise ScenarioError(f"{kinds}: only the same choices pass into it")
         return
     into = target.span()
     low, high = _range(output)
     if into is not None and not (into[0] <= low and high <= into[1]):
-        raise SceneError(f"{kinds}: {low:.0f} to {high:.0f} does not fit without loss")
+        raise ScenarioError(f"{kinds}: {low:.0f} to {high:.0f} does not fit without loss")
 
 
 def _range(variable: Variable) -> tuple[float, float]:
@@ -108,12 +108,12 @@ def _pairs(
     by_member = {v.member: v for v in inputs}
     pairs = [(source, o, target, by_member[o.member]) for o in outputs if o.member in by_member]
     if not pairs:
-        raise SceneError(
+        raise ScenarioError(
             f"the ports share no member: {', '.join(v.member for v in outputs[:6])} against"
             f" {', '.join(v.member for v in inputs[:6])}"
         )
     if wire.gain != 1.0 or wire.offset != 0.0:
-        raise SceneError("gain and offset are for single variables, not for whole ports")
+        raise ScenarioError("gain and offset are for single variables, not for whole ports")
     return pairs
 
 
@@ -123,18 +123,22 @@ def _end(
     """One end of a wire: component, variables, and whether it names a port."""
     component, _, rest = text.partition(".")
     if component not in interfaces:
-        raise SceneError(f"no component {printable(component)!r}; {nearest(component, interfaces)}")
+        raise ScenarioError(
+            f"no component {printable(component)!r}; {nearest(component, interfaces)}"
+        )
     interface = interfaces[component]
     variable = interface.variables.get(rest)
     if variable is not None:
         if variable.causality != causality:
-            raise SceneError(_wrong_causality(component, variable, causality))
+            raise ScenarioError(_wrong_causality(component, variable, causality))
         return component, [variable], False
     members = interface.port(rest, causality)
     if members:
         return component, members, True
     names = [v.name for v in interface.of(causality)] + interface.ports()
-    raise SceneError(f"no {causality} {printable(rest)!r} in {component}; {nearest(rest, names)}")
+    raise ScenarioError(
+        f"no {causality} {printable(rest)!r} in {component}; {nearest(rest, names)}"
+    )
 
 
 def _wrong_causality(component: str, variable: Variable, causality: str) -> str:
@@ -157,14 +161,14 @@ def held_of(
         try:
             _, variables, whole = _end(name, interfaces, "input")
             if whole:
-                raise SceneError(f"is a port; hold its first member, {variables[0].name}")
+                raise ScenarioError(f"is a port; hold its first member, {variables[0].name}")
             if name in fed:
-                raise SceneError(f"is wired too, by {fed[name]}; remove one of the two")
+                raise ScenarioError(f"is wired too, by {fed[name]}; remove one of the two")
             kept = start_value(variables[0], value)
             if isinstance(kept, str):
-                raise SceneError("is a text; set it under components.*.start")
+                raise ScenarioError("is a text; set it under components.*.start")
             held[name] = kept
-        except (SceneError, UnitError) as error:
+        except (ScenarioError, UnitError) as error:
             problems.append(f"{where}: {error}")
             continue
         fed[name] = where

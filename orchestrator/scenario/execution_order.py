@@ -8,10 +8,11 @@ from .schema import Scenario
 
 
 def order_of(scenario: Scenario, connections: list[Connection], problems: list[str]) -> list[str]:
-    """Order as the scene gives it, else from its wires.
+    """Order as the scenario gives it, else from its wires.
 
-    A unit comes after those that feed it, in the scene's order otherwise. Units of a loop keep the
-    scene's order among themselves: which end of a loop is best extrapolated is for the scene
+    A unit comes after those that feed it, in the scenario's order otherwise. Units of a loop keep
+    the
+    scenario's order among themselves: which end of a loop is best extrapolated is for the scenario
     to say.
     """
     listed = list(scenario.components)

@@ -1,4 +1,4 @@
-"""Faults that a scene injects into its units, to see what becomes of the rest."""
+"""Faults that a scenario injects into its units, to see what becomes of the rest."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def faults_of(
     frequency: float | None,
     problems: list[str],
 ) -> list[Fault]:
-    """Faults of a scene in the FMUs' units."""
+    """Faults of a scenario in the FMUs' units."""
     found = []
     for index, fault in enumerate(scenario.faults):
         where = f"faults[{index}]"

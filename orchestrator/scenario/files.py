@@ -8,15 +8,15 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, nearest, printable
+from ..errors import ScenarioError, nearest, printable
 
 LARGEST_FILE = 1 << 20
 SSP = re.compile(r"(.+\.ssp)(?::(.+))?")
 """An SSP archive, and which of its variants or parameter sets."""
 
 
-def scene_names() -> list[str]:
-    """Names of the scenes that come with the package."""
+def scenario_names() -> list[str]:
+    """Names of the scenarios that come with the package."""
     return sorted(
         path.name.removesuffix(".toml")
         for path in _shipped().iterdir()
@@ -43,38 +43,38 @@ def _is_folder(path: Path) -> bool:
         return False
 
 
-def scene_path(name: str, beside: Path | None = None) -> Path:
-    """File of a scene given by path or by the name of a shipped one.
+def scenario_path(name: str, beside: Path | None = None) -> Path:
+    """File of a scenario given by path or by the name of a shipped one.
 
-    A path is taken from the folder of the scene that names it, else from here. An SSP archive may
-    have a choice behind a colon: `system.ssp:cold`.
+    A path is taken from the folder of the scenario that names it, else from here. An SSP archive
+    may have a choice behind a colon: `system.ssp:cold`.
     """
     if not name:
-        raise SceneError(f"no scene ''; {nearest(name, scene_names())}")
+        raise ScenarioError(f"no scenario ''; {nearest(name, scenario_names())}")
     if (file := SSP.fullmatch(name)) is not None:
         path = Path(file[1]) if beside is None else beside / file[1]
         if not is_file(path):
-            raise SceneError(f"{path}: no such SSP file")
+            raise ScenarioError(f"{path}: no such SSP file")
         return path.with_name(path.name + (f":{file[2]}" if file[2] else ""))
     if name.endswith(".toml") or "/" in name:
         path = Path(name) if beside is None else beside / name
         if _is_folder(path):
-            raise SceneError(f"{path}: is a folder, not a scene")
+            raise ScenarioError(f"{path}: is a folder, not a scenario")
         if not is_file(path):
-            raise SceneError(f"{path}: no such scene file")
+            raise ScenarioError(f"{path}: no such scenario file")
         return path
-    shipped = scene_names()
+    shipped = scenario_names()
     if name in shipped:
         return Path(str(_shipped() / f"{name}.toml"))
     if is_file(Path(name)):
         return Path(name)
     if _is_folder(Path(name)):
-        raise SceneError(f"{name}: is a folder, not a scene")
-    raise SceneError(f"no scene {printable(name)!r}; {nearest(name, shipped, show=40)}")
+        raise ScenarioError(f"{name}: is a folder, not a scenario")
+    raise ScenarioError(f"no scenario {printable(name)!r}; {nearest(name, shipped, show=40)}")
 
 
 def read_tree(path: Path) -> dict[str, Any]:
-    """Tree of one scene, a TOML file or an SSP archive."""
+    """Tree of one scenario, a TOML file or an SSP archive."""
     if (file := SSP.fullmatch(path.name)) is not None:
         from .ssp import read_ssp
 
@@ -86,16 +86,16 @@ def read_toml(path: Path) -> dict[str, Any]:
     """TOML of one file, with line and caret where it is not TOML."""
     try:
         if path.stat().st_size > LARGEST_FILE:
-            raise SceneError(f"{path}: larger than {LARGEST_FILE >> 20} MiB; not a scene")
+            raise ScenarioError(f"{path}: larger than {LARGEST_FILE >> 20} MiB; not a scenario")
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: cannot be read as UTF-8 text ({error})") from None
+        raise ScenarioError(f"{path}: cannot be read as UTF-8 text ({error})") from None
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{path}: not TOML: {_caret(text, str(error))}") from None
+        raise ScenarioError(f"{path}: not TOML: {_caret(text, str(error))}") from None
     except (RecursionError, ValueError) as error:
-        raise SceneError(f"{path}: not TOML that can be read: {type(error).__name__}") from None
+        raise ScenarioError(f"{path}: not TOML that can be read: {type(error).__name__}") from None
 
 
 def _caret(text: str, message: str) -> str:

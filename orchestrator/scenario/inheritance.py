@@ -7,34 +7,34 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, nearest, printable
-from .files import read_tree, scene_path
+from ..errors import ScenarioError, nearest, printable
+from .files import read_tree, scenario_path
 
 DEEPEST_EXTENDS = 10
 LISTS = ("wires", "variables", "actions", "faults")
-"""Lists to which a scene adds what its base has."""
+"""Lists to which a scenario adds what its base has."""
 
 
 def _merged(path: Path, seen: list[Path]) -> dict[str, Any]:
-    """TOML tree of a scene on top of what it extends."""
+    """TOML tree of a scenario on top of what it extends."""
     resolved = path.resolve()
     if resolved in seen or len(seen) > DEEPEST_EXTENDS:
         chain = " -> ".join(p.name for p in [*seen, resolved])
-        raise SceneError(f"{path}: extends itself: {chain}")
+        raise ScenarioError(f"{path}: extends itself: {chain}")
     return _based(read_tree(path), path, [*seen, resolved])
 
 
 def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]:
     """A tree on top of what it extends; `seen` are the files it came through."""
     if problems := list(_misshapen(tree)):
-        raise SceneError(f"{path}: {problem}" for problem in problems)
+        raise ScenarioError(f"{path}: {problem}" for problem in problems)
     base_name = tree.pop("extends", None)
     dropped = tree.pop("without", [])
     if base_name is None:
         if dropped:
-            raise SceneError(f"{path}: without: has a meaning only beside extends")
+            raise ScenarioError(f"{path}: without: has a meaning only beside extends")
         return tree
-    base_path = scene_path(base_name, path.parent)
+    base_path = scenario_path(base_name, path.parent)
     base = _merged(base_path, seen)
     _anchor(base, base_path, path)
     _drop(base, dropped, path)
@@ -43,7 +43,7 @@ def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]
 
 
 def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
-    """Files of an extended scene stay beside it, wherever the scene that extends it is."""
+    """Files of an extended scenario stay beside it, wherever the scenario that extends it is."""
     folder = base_path.resolve().parent
     if folder == path.resolve().parent:
         return
@@ -56,7 +56,7 @@ def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
 
 
 SHAPES: dict[str, tuple[type, str]] = {
-    "extends": (str, "the name of a scene"),
+    "extends": (str, "the name of a scenario"),
     "without": (list, "a list of components"),
     "time": (dict, "a table"),
     "master": (dict, "a table"),
@@ -115,7 +115,7 @@ def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
     components = tree.get("components", {})
     for name in names:
         if name not in components:
-            raise SceneError(
+            raise ScenarioError(
                 f"{path}: without: no component {name!r}; {nearest(str(name), components)}"
             )
         del components[name]

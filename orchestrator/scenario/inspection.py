@@ -1,4 +1,4 @@
-"""What a checked scene is made of, as tables: units, connections, held inputs, time."""
+"""What a checked scenario is made of, as tables: units, connections, held inputs, time."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def facts(plan: Plan) -> dict[str, Any]:
             name: {"begin": r.begin, "end": r.end, "outputs": list(r.interface.variables)}
             for name, r in plan.recordings.items()
         },
-        "let_go": plan.let_go,
+        "dropped": plan.dropped,
         "records": [f"{name}.{v.name}" for name, v in plan.records],
         "time": {
             "start": plan.grid.start,
@@ -138,7 +138,7 @@ def _held(plan: Plan) -> Table:
 
 
 def _shape(plan: Plan) -> Table:
-    """Order of stepping, loops, and what the scene has left out of those that it extends."""
+    """Order of stepping, loops, and what the scenario has left out of those that it extends."""
     from rich.table import Table
 
     table = Table("", "units", title="structure")
@@ -151,7 +151,7 @@ def _shape(plan: Plan) -> Table:
         table.add_row(
             "recording", f"{name}: {span}, {plan.scenario.components[name].interpolation}"
         )
-    for told in plan.let_go:
+    for told in plan.dropped:
         table.add_row("let go", printable(told))
     return table
 

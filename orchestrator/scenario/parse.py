@@ -8,8 +8,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..errors import SceneError, nearest
-from .files import read_tree, scene_path
+from ..errors import ScenarioError, nearest
+from .files import read_tree, scenario_path
 from .inheritance import _based
 from .schema import Scenario
 from .validation import _worded
@@ -18,12 +18,12 @@ from .validation import _worded
 def load_scenario(
     name: str | Path, changes: dict[str, str] | None = None, **options: Any
 ) -> tuple[Scenario, Path]:
-    """Scene by name or path, with `component.parameter` values changed; and its file.
+    """Scenario by name or path, with `component.parameter` values changed; and its file.
 
     `options` override single keys, as `master={"laws": "held"}`. Raises
-    :class:`SceneError` with every problem found.
+    :class:`ScenarioError` with every problem found.
     """
-    path = scene_path(str(name))
+    path = scenario_path(str(name))
     return scenario_of(read_tree(path), path, changes, **options), path
 
 
@@ -38,7 +38,7 @@ def scenario_of(
             component, _, parameter = target.partition(".")
             if component not in components:
                 hint = nearest(component, components)
-                raise SceneError(f"--set {target}: no component {component!r} in {path}; {hint}")
+                raise ScenarioError(f"--set {target}: no component {component!r} in {path}; {hint}")
             components[component].setdefault("start", {})[parameter] = text
         for key, value in options.items():
             if value:
@@ -46,6 +46,6 @@ def scenario_of(
         return Scenario.model_validate(tree)
     except ValidationError as error:
         worded = _worded(error.errors(include_url=False))
-        raise SceneError(f"{path}: {text}" for text in worded) from None
+        raise ScenarioError(f"{path}: {text}" for text in worded) from None
     except RecursionError:
-        raise SceneError(f"{path}: nested too deeply") from None
+        raise ScenarioError(f"{path}: nested too deeply") from None

@@ -1,6 +1,6 @@
-"""A scene held against what its FMUs say of themselves: names, units, causality, time.
+"""A scenario held against what its FMUs say of themselves: names, units, causality, time.
 
-Nothing is loaded here. The result is a :class:`Plan`, or a :class:`SceneError` that lists all
+Nothing is loaded here. The result is a :class:`Plan`, or a :class:`ScenarioError` that lists all
 that does not fit.
 """
 
@@ -13,7 +13,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import FmuError, RecordingError, SceneError, nearest, printable
+from ..errors import FmuError, RecordingError, ScenarioError, nearest, printable
 from ..fmi.description import Interface, Variable, read_interface
 from ..fmi.instance.base import Limits
 from ..units import UnitError, si_value
@@ -37,11 +37,11 @@ NATIVE = Path("build") / "native"
 
 @dataclass(frozen=True)
 class Plan:
-    """A checked scene: what to load, how it is wired, when it communicates, what is kept.
+    """A checked scenario: what to load, how it is wired, when it communicates, what is kept.
 
     `limits` holds for isolated units; `keep_from` is the time [s] from which rows are kept;
-    `advice` says why the step is what it is, where the scene left it open. `recordings` stand in
-    the place of parts, `let_go` tells what the scene does without for that.
+    `advice` says why the step is what it is, where the scenario left it open. `recordings` stand in
+    the place of parts, `dropped` tells what the scenario does without for that.
     """
 
     scenario: Scenario
@@ -60,7 +60,7 @@ class Plan:
     keep_from: float = -inf
     advice: str = ""
     recordings: dict[str, Recording] = field(default_factory=dict)
-    let_go: list[str] = field(default_factory=list)
+    dropped: list[str] = field(default_factory=list)
 
     @property
     def leading(self) -> list[str]:
@@ -77,16 +77,16 @@ class Plan:
 
 
 def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
-    """Resolve a scene against its FMUs; `SceneError` with every problem."""
+    """Resolve a scenario against its FMUs; `ScenarioError` with every problem."""
     problems: list[str] = []
     if not scenario.components:
-        raise SceneError(f"{path}: components: a scene needs at least one")
+        raise ScenarioError(f"{path}: components: a scenario needs at least one")
     recordings = _recordings(scenario, path, problems)
     interfaces = _interfaces(scenario, path, library, recordings, problems)
     if problems:
-        raise SceneError(f"{path}: {problem}" for problem in problems)
+        raise ScenarioError(f"{path}: {problem}" for problem in problems)
     whole = scenario
-    scenario, let_go = without_replaced(scenario, interfaces, _replays(interfaces), problems)
+    scenario, dropped = without_replaced(scenario, interfaces, _replays(interfaces), problems)
     starts = starts_of(scenario, interfaces, problems)
     fed: dict[str, str] = {}
     connections = connections_of(scenario, interfaces, fed, problems)
@@ -105,20 +105,20 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
         whole = whole.model_copy(update={"master": chosen})
     keep_from = _keep_from(scenario, grid, frequency, problems)
     if problems or grid is None:
-        raise SceneError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
+        raise ScenarioError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
     plan = Plan(
         *(whole, path, interfaces, starts, connections, held, order, records),
         *(grid, frequency, actions, faults, limits, keep_from),
         recordings=recordings,
-        let_go=let_go,
+        dropped=dropped,
     )
     if problems := list(_uneven(plan)):
-        raise SceneError(f"{path}: {problem}" for problem in problems)
+        raise ScenarioError(f"{path}: {problem}" for problem in problems)
     return plan
 
 
 def usual(connections: list[Connection]) -> str:
-    """The master for a scene that names none.
+    """The master for a scenario that names none.
 
     Where two units feed each other nothing but bare numbers, holding them is of first order and
     feeds the motion: extrapolated. With laws, or without feedback, Gauss-Seidel is of second
@@ -131,7 +131,7 @@ def usual(connections: list[Connection]) -> str:
 
 
 def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:
-    """What each isolated unit may take, where the scene says so."""
+    """What each isolated unit may take, where the scenario says so."""
     limits = {}
     for name, component in scenario.components.items():
         values = {}
@@ -168,7 +168,7 @@ def _keep_from(
 
 
 def _uneven(plan: Plan) -> Iterator[str]:
-    """What a scene asks of units that take steps of one size only."""
+    """What a scenario asks of units that take steps of one size only."""
     fixed = ", ".join(plan.fixed_step)
     grid = plan.grid
     if not fixed:
@@ -182,24 +182,24 @@ def _uneven(plan: Plan) -> Iterator[str]:
         yield f"time.tolerance: needs steps of any size, which {fixed} cannot take; give a step"
 
 
-def fmu_path(name: str, scene: Path, library: Path) -> Path:
-    """File of a component: a built part by name, or a path from the scene's folder."""
+def fmu_path(name: str, scenario: Path, library: Path) -> Path:
+    """File of a component: a built part by name, or a path from the scenario's folder."""
     if name.endswith(".fmu") or "/" in name:
         given = Path(name)
-        return given if given.is_absolute() else scene.parent / given
+        return given if given.is_absolute() else scenario.parent / given
     return library / f"{name}.fmu"
 
 
-def interface_of(name: str, scene: Path, library: Path) -> Interface:
+def interface_of(name: str, scenario: Path, library: Path) -> Interface:
     """Interface of a part by name or of an FMU by its path; `FmuError` where there is none."""
-    file = fmu_path(name, scene, library)
+    file = fmu_path(name, scenario, library)
     if file.parent == library and not is_file(file):
         raise FmuError(_missing_part(name, library))
     return read_interface(file)
 
 
 def _recordings(scenario: Scenario, path: Path, problems: list[str]) -> dict[str, Recording]:
-    """Recordings of a scene, read and checked; nothing is imported where there is none."""
+    """Recordings of a scenario, read and checked; nothing is imported where there is none."""
     found: dict[str, Recording] = {}
     for name, component in scenario.components.items():
         if component.data is None:
@@ -264,7 +264,7 @@ def _missing_part(name: str, library: Path) -> str:
 def _records(
     scenario: Scenario, interfaces: dict[str, Interface], problems: list[str]
 ) -> list[tuple[str, Variable]]:
-    """Outputs that match a pattern of the record list, in the scene's order."""
+    """Outputs that match a pattern of the record list, in the scenario's order."""
     patterns = scenario.record.variables
     outputs = [
         (name, v)

@@ -1,6 +1,6 @@
-"""A scene: the TOML text as checked data, nothing loaded yet.
+"""A scenario: the TOML text as checked data, nothing loaded yet.
 
-`extends` takes another scene as it is and changes what differs; `without` drops components
+`extends` takes another scenario as it is and changes what differs; `without` drops components
 with all their wires, holds and records. All problems of a file come at once, each with
 its key and the nearest right name.
 """
@@ -75,14 +75,14 @@ class Component(RecordingSettings):
         return self
 
 
-class Action(Table):
+class ActionSpec(Table):
     """Values given at a time: tunable parameters, or inputs that are held."""
 
     at: Quantity
     set: dict[str, Quantity | Flag]
 
 
-class Fault(Table):
+class FaultSpec(Table):
     """Something injected into a unit, `on` one of its outputs or on all of it.
 
     From `at` on, `until` it ends if ever; `size` is that of a bias, or the standard deviation
@@ -107,7 +107,7 @@ class Wire(Table):
     offset: Number = 0.0
 
 
-class Master(Table):
+class MasterSettings(Table):
     """The method that steps the units; `laws` says how much of each port is connected.
 
     The `kind` follows from the wires where it is "auto":
@@ -143,30 +143,30 @@ class Metrics(Table):
 
 
 class Scenario(Table):
-    """A whole scene, `extends` resolved; `without` tells what has been left out on the way."""
+    """A whole scenario, `extends` resolved; `without` tells what has been left out on the way."""
 
     title: Text = ""
     without: list[Text] = []
     time: Time = Time()
-    master: Master = Master()
+    master: MasterSettings = MasterSettings()
     components: dict[str, Component] = {}
     wires: list[Wire] = []
     hold: dict[str, Quantity | Flag] = {}
-    actions: list[Action] = []
-    faults: list[Fault] = []
+    actions: list[ActionSpec] = []
+    faults: list[FaultSpec] = []
     record: Record = Record()
     metrics: Metrics = Metrics()
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON Schema of a scene file, `extends` and `without` included.
+    """JSON Schema of a scenario file, `extends` and `without` included.
 
-    A component's `fmu` or `data` may come from the scene that is extended.
+    A component's `fmu` or `data` may come from the scenario that is extended.
     """
     schema = Scenario.model_json_schema(by_alias=True)
-    schema["title"] = "Resilin scene"
+    schema["title"] = "Resilin scenario"
     schema["properties"] = {
-        "extends": {"type": "string", "description": "Scene that this one changes."},
+        "extends": {"type": "string", "description": "Scenario that this one changes."},
         "without": {
             "type": "array",
             "items": {"type": "string"},

@@ -1,4 +1,4 @@
-"""Start values and timed actions of a scene, in the FMUs' units."""
+"""Start values and timed actions of a scenario, in the FMUs' units."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What a scene asks of a recorded component that a recording has not, and does without.
+"""What a scenario asks of a recorded component that a recording has not, and does without.
 
-A scene that extends another may put a recording in the place of one part and leave all else
+A scenario that extends another may put a recording in the place of one part and leave all else
 as it is. What the part had and the recording has not is let go of, and told: wires into it,
 holds and actions on it, and records of outputs that are not among its columns. A wire from a
 port that was not recorded gives way to a hold of what it feeds; without one it is a problem, as
@@ -14,7 +14,7 @@ from fnmatch import fnmatchcase
 
 from ..errors import nearest, printable
 from ..fmi.description import Interface
-from .schema import Action, Scenario, Wire
+from .schema import ActionSpec, Scenario, Wire
 
 
 def without_replaced(
@@ -23,7 +23,7 @@ def without_replaced(
     recorded: Collection[str],
     problems: list[str],
 ) -> tuple[Scenario, list[str]]:
-    """The scene with what its recordings can take, and what was let go of, in words."""
+    """The scenario with what its recordings can take, and what was let go of, in words."""
     if not recorded:
         return scenario, []
     told: list[str] = []
@@ -92,7 +92,7 @@ def _replaced_wire(
     return True
 
 
-def _kept(action: Action, recorded: Collection[str], told: list[str]) -> Action:
+def _kept(action: ActionSpec, recorded: Collection[str], told: list[str]) -> ActionSpec:
     """An action without what it sets in recordings."""
     kept = {}
     for name, value in action.set.items():

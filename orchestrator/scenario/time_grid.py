@@ -1,4 +1,4 @@
-"""Time of a scene: cycles, communication points, windows, and when something is to happen."""
+"""Time of a scenario: cycles, communication points, windows, and when something is to happen."""
 
 from __future__ import annotations
 

@@ -9,7 +9,17 @@ from typing import Any
 from pydantic import BaseModel
 
 from ..errors import printable
-from .schema import Action, Component, Master, Metrics, PerCycle, Record, Scenario, Time, Wire
+from .schema import (
+    ActionSpec,
+    Component,
+    MasterSettings,
+    Metrics,
+    PerCycle,
+    Record,
+    Scenario,
+    Time,
+    Wire,
+)
 
 BRANCHES = {"PerCycle", "float", "str", "constrained-str", "bool"}
 """Names that pydantic gives the branches of a union in the place of a problem."""
@@ -54,12 +64,12 @@ def _suggestion(place: list[str], word: str) -> str:
     """Nearest key of the table in which an unknown one stands."""
     tables: dict[str, type[BaseModel]] = {
         "time": Time,
-        "master": Master,
+        "master": MasterSettings,
         "record": Record,
         "metrics": Metrics,
         "components": Component,
         "wires": Wire,
-        "actions": Action,
+        "actions": ActionSpec,
     }
     table = Scenario if len(place) == 1 else tables.get(place[0], Scenario)
     if len(place) == 3 and place[:2] == ["time", "step"]:

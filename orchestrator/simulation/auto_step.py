@@ -1,4 +1,4 @@
-"""The communication step for a scene that leaves it open: predicted stable, tried for accuracy."""
+"""The communication step where a scenario leaves it open: predicted stable, tried for accuracy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import InputError, ResilinError, SceneError
+from ..errors import InputError, ResilinError, ScenarioError
 from ..results.error_estimate import estimate
 from ..results.outcome import Outcome
 from ..scenario.plan import Plan
@@ -46,15 +46,17 @@ class Advice:
 def advised(plan: Plan) -> Advice:
     """The coarsest step, by halving from a tenth of a cycle, that is stable and accurate.
 
-    Each is tried over the first cycles of the scene, or a tenth of it without a cycle; the
+    Each is tried over the first cycles of the scenario, or a tenth of it without a cycle; the
     distance to the run at half the step estimates its error. Of the first one that is accurate
     the linear step map, about rest with the drive off, predicts whether the coupling is stable.
-    Raises `SceneError` where no step down to 1/163840 of a cycle will do, or where trials stop
+    Raises `ScenarioError` where no step down to 1/163840 of a cycle will do, or where trials stop
     at one and the same time whatever the step, with the last reason.
     """
     if plan.fixed_step:
         fixed = ", ".join(plan.fixed_step)
-        raise SceneError(f"{plan.path}: time.step: {fixed} takes steps of one size only; give it")
+        raise ScenarioError(
+            f"{plan.path}: time.step: {fixed} takes steps of one size only; give it"
+        )
     step, reason, alike = plan.grid.step, "", 0
     coarse = _tried(plan, step)
     for _ in range(DOUBLINGS):
@@ -74,7 +76,7 @@ def advised(plan: Plan) -> Advice:
         step, coarse = 0.5 * step, fine
         if alike == ALIKE:
             break
-    raise SceneError(f"{plan.path}: time.step: none is found; at {step:.3g} s: {reason}")
+    raise ScenarioError(f"{plan.path}: time.step: none is found; at {step:.3g} s: {reason}")
 
 
 def _failed(trial: Outcome | Exception) -> Exception | None:
@@ -87,7 +89,7 @@ def _end(trial: Outcome | Exception) -> float:
 
 
 def _tried(plan: Plan, step: float) -> Outcome | Exception:
-    """The first cycles of a scene at a step, or what kept them from being started."""
+    """The first cycles of a scenario at a step, or what kept them from being started."""
     grid = plan.grid
     span = CYCLES / plan.frequency if plan.frequency else 0.1 * (grid.stop - grid.start)
     stop = min(grid.stop, grid.start + span)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fmi.instance import Unit
+from ..fmi.instance import Instance
 from ..scenario.connections import Connection
 
 Values = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
-class Member:
+class CoupledInstance:
     """A unit with its stretch of the system's values and the way its inputs come about.
 
     `buffer` holds all inputs that the unit is given: first the wired ones (`inputs`, from the
@@ -23,10 +23,10 @@ class Member:
     """
 
     def __init__(
-        self, unit: Unit, values: Values, stretch: slice, arriving: list[Connection],
+        self, instance: Instance, values: Values, stretch: slice, arriving: list[Connection],
         sources: Indices, held: dict[str, float],
     ) -> None:  # fmt: skip
-        self.unit = unit
+        self.instance = instance
         self.sources = sources
         self.arriving = arriving
         self.stretch = stretch
@@ -60,18 +60,18 @@ class Member:
         if self._gain is not None and self._offset is not None:
             np.multiply(self.inputs, self._gain, out=self.inputs)
             np.add(self.inputs, self._offset, out=self.inputs)
-        self.unit.send()
+        self.instance.send()
 
     def advance(self, time: float, size: float) -> None:
         """Gather, step, and read what units later in the order need."""
         self.gather()
-        self.unit.step(time, size)
-        self.unit.receive(0)
+        self.instance.step(time, size)
+        self.instance.receive(0)
 
     def follow(self) -> None:
         """Gather and read all outputs, without a step: outputs that follow inputs directly."""
         self.gather()
-        self.unit.receive()
+        self.instance.receive()
 
 
 def _plain(arriving: list[Connection]) -> Indices:

@@ -20,7 +20,7 @@ from ..scenario.connections import Connection
 from ..scenario.plan import Plan
 from ..units import UnitError, factor
 from . import port_laws
-from .coupled_instance import Member
+from .coupled_instance import CoupledInstance
 from .system import System
 
 LIMIT = 0.01
@@ -61,7 +61,7 @@ class Coupling:
     """
 
     name: str
-    receiver: Member
+    receiver: CoupledInstance
     inputs: dict[str, int]
     effort: int
     flow: int
@@ -210,7 +210,7 @@ def _coupling(
     source = f"{c.source}.{c.output.port or c.output.name}"
     return Coupling(
         name=f"{source} -> {c.target}.{c.input.port or c.input.name}",
-        receiver=next(m for m in system.members if m.unit.name == c.target),
+        receiver=next(m for m in system.instances if m.instance.name == c.target),
         inputs={d.input.member if law else "value": order.index(d) for d in used},
         effort=place[f"{c.source}.{c.output.name}"],
         flow=place[f"{answer.source}.{answer.output.name}"],

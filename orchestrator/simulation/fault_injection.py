@@ -8,21 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UnitFailure
+from ..errors import InstanceFailure
 from ..fmi.description import Variable
-from ..fmi.instance.base import Unit, Values
+from ..fmi.instance.base import Instance, Values
 from ..scenario.faults import Fault
 
 GRAIN = 1e-12
 """Seconds within which two times are one."""
 
 
-class Impaired(Unit):
+class FaultyInstance(Instance):
     """Another unit, with what its faults make of it; everything else is passed on."""
 
-    def __init__(self, unit: Unit, faults: Sequence[Fault]) -> None:
-        super().__init__(unit.name, unit.interface)
-        self._unit = unit
+    def __init__(self, instance: Instance, faults: Sequence[Fault]) -> None:
+        super().__init__(instance.name, instance.interface)
+        self._instance = instance
         self._drops = [fault for fault in faults if fault.kind == "drop"]
         self._told = [fault for fault in faults if fault.kind != "drop"]
         self._places: list[list[int]] = []
@@ -31,14 +31,14 @@ class Impaired(Unit):
     @property
     def messages(self) -> list[str]:
         """What the unit behind has said."""
-        return self._unit.messages
+        return self._instance.messages
 
     def prepare(
         self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
     ) -> None:
         """Pass on, and note where time starts."""
         self._time = time
-        self._unit.prepare(start, time, stop, tolerance)
+        self._instance.prepare(start, time, stop, tolerance)
 
     def connect(
         self,
@@ -56,40 +56,40 @@ class Impaired(Unit):
             [k for k, name in enumerate(names) if name in fault.variables] for fault in self._told
         ]
         self._frozen = np.zeros_like(output_values)
-        self._unit.connect(inputs, input_values, outputs, self._true)
+        self._instance.connect(inputs, input_values, outputs, self._true)
 
     def read_whole_at_once(self) -> None:
         """Pass on."""
-        self._unit.read_whole_at_once()
+        self._instance.read_whole_at_once()
         self._ends = [self._ends[-1]] * len(self._ends)
 
     def enter_initialisation(self) -> None:
         """Pass on."""
-        self._unit.enter_initialisation()
+        self._instance.enter_initialisation()
 
     def exit_initialisation(self) -> None:
         """Pass on."""
-        self._unit.exit_initialisation()
+        self._instance.exit_initialisation()
 
     def send(self) -> None:
         """Pass on."""
-        self._unit.send()
+        self._instance.send()
 
     def step(self, time: float, size: float) -> None:
         """Step the unit, unless it has dropped out by the end of this step."""
         for fault in self._drops:
             if fault.begin < time + size - GRAIN and time < fault.end - GRAIN:
-                raise UnitFailure(
+                raise InstanceFailure(
                     f"{self.name}: step to t = {time + size:.9g} s: has dropped out (a fault of"
-                    f" the scene, from t = {fault.begin:.9g} s)"
+                    f" the scenario, from t = {fault.begin:.9g} s)"
                 )
-        self._unit.step(time, size)
+        self._instance.step(time, size)
         self._time = time + size
-        self.steps, self.rollbacks = self._unit.steps, self._unit.rollbacks
+        self.steps, self.rollbacks = self._instance.steps, self._instance.rollbacks
 
     def receive(self, group: int = -1) -> None:
         """Read the outputs, then tell them as the faults of this time have it."""
-        self._unit.receive(group)
+        self._instance.receive(group)
         end = self._ends[group]
         self._output[:end] = self._true[:end]
         for fault, places in zip(self._told, self._places, strict=True):
@@ -108,26 +108,26 @@ class Impaired(Unit):
 
     def set(self, start: dict[str, float | str]) -> None:
         """Pass on."""
-        self._unit.set(start)
+        self._instance.set(start)
 
     def save(self) -> Any:
         """State of the unit, the time, and what is frozen."""
-        return self._unit.save(), self._time, self._frozen.copy()
+        return self._instance.save(), self._time, self._frozen.copy()
 
     def restore(self, state: Any) -> None:
         """Go back to a saved state."""
         inner, self._time, frozen = state
         self._frozen[:] = frozen
-        self._unit.restore(inner)
-        self.rollbacks = self._unit.rollbacks
+        self._instance.restore(inner)
+        self.rollbacks = self._instance.rollbacks
 
     def forget(self, state: Any) -> None:
         """Free a saved state."""
-        self._unit.forget(state[0])
+        self._instance.forget(state[0])
 
     def close(self) -> None:
         """End the unit."""
-        self._unit.close()
+        self._instance.close()
 
 
 def _deviate(seed: int, time: float) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .coupled_instance import Indices, Member, Values
+from .coupled_instance import CoupledInstance, Indices, Values
 
 SETTLED = 1e-12
 SOLVED = 1e-10
@@ -26,7 +26,7 @@ class Unsettled(Exception):
         self.change = change
 
 
-def settle(members: Sequence[Member], values: Values, wired: Indices) -> float:
+def settle(instances: Sequence[CoupledInstance], values: Values, wired: Indices) -> float:
     """Bring all outputs and inputs of `members` into agreement; the residual left, relative.
 
     Fixed-point passes first, which end at once where there is no loop; where these do not
@@ -38,8 +38,8 @@ def settle(members: Sequence[Member], values: Values, wired: Indices) -> float:
     with np.errstate(all="ignore"):
         for _ in range(MOST_PASSES):
             before = values.copy()
-            for member in members:
-                member.follow()
+            for coupled in instances:
+                coupled.follow()
             change = np.abs(values - before)
             scale = np.maximum(TINY, np.abs(values))
             if not np.all(np.isfinite(values)):
@@ -48,30 +48,32 @@ def settle(members: Sequence[Member], values: Values, wired: Indices) -> float:
                 return float((change / scale).max(initial=0.0))
         worst = int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
         values[:] = start
-        residual = _newton(members, values, _own(members, wired))
+        residual = _newton(instances, values, _own(instances, wired))
     if residual is None:
         values[:] = start
         raise Unsettled(worst, float(change[worst]))
     return residual
 
 
-def _own(members: Sequence[Member], wired: Indices) -> Indices:
+def _own(instances: Sequence[CoupledInstance], wired: Indices) -> Indices:
     """Those wired places that are outputs of these members."""
-    ours = [(wired >= m.stretch.start) & (wired < m.stretch.stop) for m in members]
+    ours = [(wired >= m.stretch.start) & (wired < m.stretch.stop) for m in instances]
     return np.asarray(wired[np.any(ours, axis=0)])
 
 
-def _passed(members: Sequence[Member], values: Values, wired: Indices, guess: Values) -> Values:
+def _passed(
+    instances: Sequence[CoupledInstance], values: Values, wired: Indices, guess: Values
+) -> Values:
     """What the wired outputs become when the inputs are made from a guess of them."""
     values[wired] = guess
-    for member in members:
-        member.gather()
-    for member in members:
-        member.unit.receive()
+    for coupled in instances:
+        coupled.gather()
+    for coupled in instances:
+        coupled.instance.receive()
     return values[wired].copy()
 
 
-def _newton(members: Sequence[Member], values: Values, wired: Indices) -> float | None:
+def _newton(instances: Sequence[CoupledInstance], values: Values, wired: Indices) -> float | None:
     """Relative residual once z = G(z) is solved for; None where it is not.
 
     A small residual alone proves nothing: where nothing solves the loop, as in z = z + 1, it is
@@ -80,7 +82,7 @@ def _newton(members: Sequence[Member], values: Values, wired: Indices) -> float 
     guess = values[wired].copy()
     slope: Values | None = None
     for _ in range(MOST_NEWTON):
-        there = _passed(members, values, wired, guess)
+        there = _passed(instances, values, wired, guess)
         residual = there - guess
         if not np.all(np.isfinite(residual)):
             return None
@@ -91,7 +93,7 @@ def _newton(members: Sequence[Member], values: Values, wired: Indices) -> float 
                 moved = np.linalg.solve(slope, residual)
                 if np.all(np.abs(moved) <= TRUSTED * scale):
                     return left if np.all(np.isfinite(values)) else None
-            slope = _slope(members, values, wired, guess, there)
+            slope = _slope(instances, values, wired, guess, there)
             guess = guess + np.linalg.solve(slope, residual)
         except np.linalg.LinAlgError:
             return None
@@ -99,7 +101,11 @@ def _newton(members: Sequence[Member], values: Values, wired: Indices) -> float 
 
 
 def _slope(
-    members: Sequence[Member], values: Values, wired: Indices, guess: Values, there: Values
+    instances: Sequence[CoupledInstance],
+    values: Values,
+    wired: Indices,
+    guess: Values,
+    there: Values,
 ) -> Values:
     """1 - dG/dz by differences, column by column."""
     slope = np.eye(len(wired))
@@ -107,5 +113,5 @@ def _slope(
         nudge = 1e-6 * max(abs(float(guess[k])), 1e-3)
         moved = guess.copy()
         moved[k] += nudge
-        slope[:, k] -= (_passed(members, values, wired, moved) - there) / nudge
+        slope[:, k] -= (_passed(instances, values, wired, moved) - there) / nudge
     return slope

@@ -1,4 +1,4 @@
-"""A scene by name or path as a checked plan that its master can step."""
+"""A scenario by name or path as a checked plan that its master can step."""
 
 from __future__ import annotations
 
@@ -6,26 +6,25 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError
+from ..errors import ScenarioError
 from ..scenario.parse import load_scenario
 from ..scenario.plan import LIBRARY, Plan, check
-from ..scenario.schema import AUTO, Scenario
-from ..scenario.schema import Master as Settings
+from ..scenario.schema import AUTO, MasterSettings, Scenario
 from .masters import master
 
 
 def load(
-    scene: str | Path,
+    scenario: str | Path,
     changes: dict[str, str] | None = None,
     library: Path = LIBRARY,
     **options: Any,
 ) -> Plan:
-    """Checked plan of a scene, by name or path, with `component.parameter` values changed.
+    """Checked plan of a scenario, by name or path, with `component.parameter` values changed.
 
-    `options` override single keys of a scene's tables, as `time={"tolerance": 1e-3}`.
-    Raises `SceneError` with every problem.
+    `options` override single keys of a scenario's tables, as `time={"tolerance": 1e-3}`.
+    Raises `ScenarioError` with every problem.
     """
-    return planned(*load_scenario(scene, changes, **options), library)
+    return planned(*load_scenario(scenario, changes, **options), library)
 
 
 def planned(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
@@ -39,7 +38,7 @@ def planned(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
         plan = check(scenario.model_copy(update={"time": time}), path, library)
         plan = replace(plan, advice=str(advice))
     if problems := _unsuited(plan):
-        raise SceneError(f"{path}: {problem}" for problem in problems)
+        raise ScenarioError(f"{path}: {problem}" for problem in problems)
     return plan
 
 
@@ -48,7 +47,7 @@ def _unsuited(plan: Plan) -> list[str]:
     settings = plan.scenario.master
     try:
         method = master(settings.kind)
-    except SceneError as error:
+    except ScenarioError as error:
         return error.problems
     problems = []
     unable = [name for name, interface in plan.interfaces.items() if not interface.rollback]
@@ -57,7 +56,7 @@ def _unsuited(plan: Plan) -> list[str]:
             f"master.kind: {settings.kind} needs rollback, which {', '.join(unable)} cannot do;"
             " gauss-seidel and extrapolated work without it"
         )
-    every = {key for key in Settings.model_fields if key not in {"kind", "laws", "order"}}
+    every = {key for key in MasterSettings.model_fields if key not in {"kind", "laws", "order"}}
     for key in sorted(settings.model_fields_set & every - set(method.options)):
         known = ", ".join(method.options) or "no further key"
         problems.append(f"master.{key}: means nothing to {settings.kind}, which takes {known}")

@@ -143,8 +143,8 @@ class Guard:
 
 def _last_message(system: System, name: str) -> str:
     """The last thing the unit behind a value said, or `none`."""
-    unit = name.partition(".")[0]
-    said = [m.unit.messages for m in system.members if m.unit.name == unit]
+    instance = name.partition(".")[0]
+    said = [m.instance.messages for m in system.instances if m.instance.name == instance]
     return said[0][-1] if said and said[0] else "none"
 
 

@@ -1,4 +1,4 @@
-"""One run: a checked scene stepped from start to stop, and what came of it."""
+"""One run: a checked scenario stepped from start to stop, and what came of it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .interrupt import Interrupt, Interrupted
 from .masters import Master, master
 from .observers import Guard, Observer, Progress, Recorder
 from .step_control import adaptive
-from .stepper import Walk
+from .stepper import Stepper
 from .system import System
 
 MOST_HELD = 1 << 25
@@ -38,7 +38,7 @@ def run(
 ) -> Outcome:
     """Load the units of a plan, step them through its time span, and free them.
 
-    Steps are those of the scene's grid, or with a tolerance of the size that it asks for. With
+    Steps are those of the scenario's grid, or with a tolerance of the size that it asks for. With
     `estimate`, by default where there is a tolerance, the outcome carries estimated errors.
     A failure in mid-run does not raise: the outcome carries it beside what was recorded.
     `segments` takes the rows of a long run off memory.
@@ -58,7 +58,7 @@ def replay(plan: Plan, points: Sequence[float], interrupt: Interrupt | None = No
 def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcome:
     """The same outcome with the error of each variable estimated, at twice the run's cost.
 
-    The scene is run again with half of each communication step; see
+    The scenario is run again with half of each communication step; see
     :func:`orchestrator.results.error_estimate.estimate`. Where that run fails the outcome stays
     without estimates, and says why.
     """
@@ -116,13 +116,13 @@ def _stepped(
                 taken, steps, rejected = adaptive(system, method, tolerance, watching, interrupt)
         except (SimulationError, OutputError, Interrupted) as error:
             failure = error
-            steps = max((m.unit.steps for m in system.members), default=0)
+            steps = max((m.instance.steps for m in system.instances), default=0)
         finally:
             if bar is not None:
                 bar.close()
         wall_time = perf_counter() - begun
-        calls = {m.unit.name: m.unit.steps for m in system.members}
-        rollbacks = {m.unit.name: m.unit.rollbacks for m in system.members}
+        calls = {m.instance.name: m.instance.steps for m in system.instances}
+        rollbacks = {m.instance.name: m.instance.rollbacks for m in system.instances}
     return Outcome(
         *(plan, recorder.names, recorder.times, recorder.rows, wall_time, steps, calls, failure),
         couplings=audit.summary(),
@@ -165,17 +165,17 @@ def advance(
     are kept at the points of the grid alone, so that they stay equidistant.
     """
     grid = system.plan.grid
-    walk = Walk(system, method)
+    stepper = Stepper(system, method)
     for observer in watching:
         observer.sample(system, 0, grid.start)
     for k in range(grid.count):
         time, end = grid.point(k), grid.point(k + 1)
-        walk.to(time, end, grid.step if k + 1 < grid.count else end - time)
+        stepper.to(time, end, grid.step if k + 1 < grid.count else end - time)
         for observer in watching:
             observer.sample(system, k + 1, end)
         if interrupt is not None:
             interrupt.check()
-    return walk.steps
+    return stepper.steps
 
 
 def along(
@@ -186,13 +186,13 @@ def along(
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system over given communication points; number of steps taken."""
-    walk = Walk(system, method)
+    stepper = Stepper(system, method)
     for observer in watching:
         observer.sample(system, 0, points[0])
     for k, (time, end) in enumerate(pairwise(points), start=1):
-        walk.to(time, end, end - time)
+        stepper.to(time, end, end - time)
         for observer in watching:
             observer.sample(system, k, end)
         if interrupt is not None:
             interrupt.check()
-    return walk.steps
+    return stepper.steps

@@ -14,12 +14,12 @@ from .interrupt import Interrupt
 from .masters import Master
 from .masters.extrapolation import Past, combined, point_weights
 from .observers import Observer
-from .stepper import Walk
+from .stepper import Stepper
 from .system import System
 
 LONGEST = 8.0
 SHORTEST = 1e-5
-"""Bounds of the step as multiples of the scene's."""
+"""Bounds of the step as multiples of the scenario's."""
 MEMORY = 0.1
 """Cycles over which local errors are taken to add up."""
 ORDER = 2.0
@@ -47,11 +47,11 @@ class Doubling:
 
     rejects = True
 
-    def __init__(self, walk: Walk, columns: Indices) -> None:
-        self._walk = walk
+    def __init__(self, stepper: Stepper, columns: Indices) -> None:
+        self._walk = stepper
         self._columns = columns
-        self._moment = walk.system.save()
-        self._memory = walk.method.remember()
+        self._moment = stepper.system.save()
+        self._memory = stepper.method.remember()
         self.points: list[float] = []
 
     def attempt(self, time: float, size: float) -> Values:
@@ -83,8 +83,8 @@ class Foresight:
 
     rejects = False
 
-    def __init__(self, walk: Walk, columns: Indices) -> None:
-        self._walk = walk
+    def __init__(self, stepper: Stepper, columns: Indices) -> None:
+        self._walk = stepper
         self._columns = columns
         self._past = Past(3)
         self.points: list[float] = []
@@ -126,10 +126,10 @@ def adaptive(
     """
     plan = system.plan
     grid = plan.grid
-    walk = Walk(system, method)
+    stepper = Stepper(system, method)
     columns = _columns(system)
     able = all(known.rollback for known in plan.interfaces.values())
-    estimator = Doubling(walk, columns) if able else Foresight(walk, columns)
+    estimator = Doubling(stepper, columns) if able else Foresight(stepper, columns)
     control = _Control(system, tolerance)
     scale = np.abs(system.values[columns])
     time, points, rejected = grid.start, [grid.start], 0
@@ -137,7 +137,7 @@ def adaptive(
     for observer in watching:
         observer.sample(system, 0, time)
     while time < grid.stop:
-        end = _end(time, size, walk.cut(time, grid.stop))
+        end = _end(time, size, stepper.cut(time, grid.stop))
         event = system.next_event()
         try:
             error = estimator.attempt(time, end - time)
@@ -155,7 +155,7 @@ def adaptive(
         time = end
         points += estimator.points
         points[-1] = end
-        walk.arrive(end, event)
+        stepper.arrive(end, event)
         if event <= end and isinstance(estimator, Foresight):
             estimator.interrupt()
             size = min(size, 0.1 * grid.step)
@@ -164,7 +164,7 @@ def adaptive(
             observer.sample(system, len(points) - 1, end)
         if interrupt is not None:
             interrupt.check()
-    return points, walk.steps, rejected
+    return points, stepper.steps, rejected
 
 
 def _columns(system: System) -> Indices:

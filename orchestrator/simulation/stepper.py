@@ -9,7 +9,7 @@ MERGED = 1e-6
 """What happens closer than this fraction of a step to a communication point is not cut out."""
 
 
-class Walk:
+class Stepper:
     """Steps a system with a master, never across a discontinuity or a timed action.
 
     Units announce discontinuities through `next_event_time`. Where some unit takes steps of

@@ -15,14 +15,14 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..errors import FmuError, InitialisationError, SimulationError, UnitFailure
+from ..errors import FmuError, InitialisationError, InstanceFailure, SimulationError
 from ..fmi.archive import extract
 from ..fmi.description import EVENT, Variable
-from ..fmi.instance import Unit, open_unit
+from ..fmi.instance import Instance, open_instance
 from ..scenario.actions import Action
 from ..scenario.execution_order import reachable
 from ..scenario.plan import Plan
-from .coupled_instance import Indices, Member, Values
+from .coupled_instance import CoupledInstance, Indices, Values
 from .initialisation import Unsettled, settle
 
 
@@ -47,8 +47,8 @@ class System:
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
-        self.members: list[Member] = []
-        self.followers: list[Member] = []
+        self.instances: list[CoupledInstance] = []
+        self.followers: list[CoupledInstance] = []
         self.names: list[str] = []
         self.values: Values = np.zeros(0)
         self.variables: list[Variable] = []
@@ -61,7 +61,7 @@ class System:
     def __enter__(self) -> Self:
         try:
             self._load()
-        except UnitFailure as error:
+        except InstanceFailure as error:
             self.close()
             raise InitialisationError(f"{self.plan.path}: {error}") from None
         except BaseException:
@@ -92,8 +92,8 @@ class System:
 
     def follow(self) -> None:
         """Bring outputs that follow inputs directly up to the present communication point."""
-        for member in self.followers:
-            member.follow()
+        for coupled in self.followers:
+            coupled.follow()
         if self._loop:
             try:
                 settle(self.followers, self.values, self.wired)
@@ -105,57 +105,59 @@ class System:
 
     def save(self) -> Moment:
         """All there is at this communication point; to be given to `restore` and `forget`."""
-        states = [member.unit.save() for member in self.members]
-        return Moment(states, self.values.copy(), [m.buffer.copy() for m in self.members])
+        states = [coupled.instance.save() for coupled in self.instances]
+        return Moment(states, self.values.copy(), [m.buffer.copy() for m in self.instances])
 
     def restore(self, moment: Moment) -> None:
         """Back to a saved communication point, which stays saved."""
         self.values[:] = moment.values
-        for member, state, buffer in zip(self.members, moment.states, moment.buffers, strict=True):
-            member.unit.restore(state)
-            member.buffer[:] = buffer
+        for coupled, state, buffer in zip(
+            self.instances, moment.states, moment.buffers, strict=True
+        ):
+            coupled.instance.restore(state)
+            coupled.buffer[:] = buffer
 
     def forget(self, moment: Moment) -> None:
         """Free a saved communication point."""
-        for member, state in zip(self.members, moment.states, strict=True):
-            member.unit.forget(state)
+        for coupled, state in zip(self.instances, moment.states, strict=True):
+            coupled.instance.forget(state)
 
     def act(self, action: Action) -> None:
         """Give a unit the values of a timed action, and the others what follows from it."""
-        member = next(m for m in self.members if m.unit.name == action.component)
+        coupled = next(m for m in self.instances if m.instance.name == action.component)
         parameters = {}
         for name, value in action.values.items():
-            if name in member.held:
-                member.buffer[member.held[name]] = value
+            if name in coupled.held:
+                coupled.buffer[coupled.held[name]] = value
             else:
                 parameters[name] = value
         if parameters:
-            member.unit.set(parameters)
-        member.follow()
+            coupled.instance.set(parameters)
+        coupled.follow()
         self.follow()
 
     def _load(self) -> None:
         plan = self.plan
         folders: dict[Path, Path] = {}
-        units: dict[str, Unit] = {}
+        instances: dict[str, Instance] = {}
         for name in plan.order:
-            unit = self._opened(name, folders)
-            self._stack.callback(unit.close)
+            instance = self._opened(name, folders)
+            self._stack.callback(instance.close)
             if faults := [fault for fault in plan.faults if fault.component == name]:
-                from .fault_injection import Impaired
+                from .fault_injection import FaultyInstance
 
-                unit = Impaired(unit, faults)
-            units[name] = unit
-        self._connect(units)
+                instance = FaultyInstance(instance, faults)
+            instances[name] = instance
+        self._connect(instances)
         self._initialise()
 
-    def _opened(self, name: str, folders: dict[Path, Path]) -> Unit:
+    def _opened(self, name: str, folders: dict[Path, Path]) -> Instance:
         """Unit of a component; `folders` are those of the FMUs unpacked so far."""
         plan = self.plan
         if name in plan.recordings:
-            from ..recording.instance import Recorded
+            from ..recording.instance import RecordingInstance
 
-            return Recorded(name, plan.recordings[name])
+            return RecordingInstance(name, plan.recordings[name])
         interface = plan.interfaces[name]
         if interface.path not in folders:
             folders[interface.path] = self._unpacked(interface.path)
@@ -163,7 +165,7 @@ class System:
         if isolate is None and interface.once:
             alike = [n for n, other in plan.interfaces.items() if other is interface]
             isolate = True if len(alike) > 1 else None
-        return open_unit(name, interface, folders[interface.path], isolate, plan.limits[name])
+        return open_instance(name, interface, folders[interface.path], isolate, plan.limits[name])
 
     def _unpacked(self, path: Path) -> Path:
         try:
@@ -179,7 +181,7 @@ class System:
         extract(path, folder)
         return folder
 
-    def _connect(self, units: dict[str, Unit]) -> None:
+    def _connect(self, instances: dict[str, Instance]) -> None:
         """Lay out both buffers and bind every unit to its stretch of them."""
         plan = self.plan
         groups = {name: self._groups(name) for name in plan.order}
@@ -206,14 +208,14 @@ class System:
                 if key.startswith(f"{name}.")
             }
             from_places = [place[c.source, c.output.name] for c in arriving]
-            member = Member(
-                *(units[name], self.values, stretch, arriving),
+            coupled = CoupledInstance(
+                *(instances[name], self.values, stretch, arriving),
                 *(np.array(from_places, dtype=np.intp), held),
             )
             inputs = [c.input for c in arriving]
             inputs += [plan.interfaces[name].variables[key] for key in held]
-            units[name].connect(inputs, member.buffer, groups[name], self.values[stretch])
-            self.members.append(member)
+            instances[name].connect(inputs, coupled.buffer, groups[name], self.values[stretch])
+            self.instances.append(coupled)
             first += count
         self._find_followers()
 
@@ -255,36 +257,40 @@ class System:
             ready = [n for n in waiting if not (direct[n] - {n}) & set(waiting)] or waiting[:1]
             done += ready
             waiting = [n for n in waiting if n not in ready]
-        by_name = {member.unit.name: member for member in self.members}
+        by_name = {coupled.instance.name: coupled for coupled in self.instances}
         self.followers = [by_name[name] for name in done]
-        for member in self.members:
-            member.direct = member in self.followers
-            if not member.direct:
-                member.unit.read_whole_at_once()
+        for coupled in self.instances:
+            coupled.direct = coupled in self.followers
+            if not coupled.direct:
+                coupled.instance.read_whole_at_once()
 
     def _initialise(self) -> None:
         """Initialisation mode of all units, with values passed until nothing changes."""
         grid = self.plan.grid
         tolerance = self.plan.scenario.time.tolerance
-        for member in self.members:
-            start = self.plan.starts[member.unit.name]
-            member.unit.prepare(start, grid.start, grid.stop, tolerance)
-        for member in self.members:
-            member.unit.enter_initialisation()
-        for member in self.members:
-            member.unit.receive()
+        for coupled in self.instances:
+            start = self.plan.starts[coupled.instance.name]
+            coupled.instance.prepare(start, grid.start, grid.stop, tolerance)
+        for coupled in self.instances:
+            coupled.instance.enter_initialisation()
+        for coupled in self.instances:
+            coupled.instance.receive()
         try:
-            self.residual = settle(self.members, self.values, self.wired)
+            self.residual = settle(self.instances, self.values, self.wired)
         except Unsettled as error:
             raise InitialisationError(self._unsettled(error)) from None
-        for member in self.members:
-            member.unit.exit_initialisation()
-        for member in self.members:
-            member.follow()
+        for coupled in self.instances:
+            coupled.instance.exit_initialisation()
+        for coupled in self.instances:
+            coupled.follow()
 
     def _unsettled(self, error: Unsettled) -> str:
         """Why the start values do not go together: what a unit said, else the worst value."""
-        said = [f"{m.unit.name}: {text}" for m in self.members for text in m.unit.messages[-1:]]
+        said = [
+            f"{m.instance.name}: {text}"
+            for m in self.instances
+            for text in m.instance.messages[-1:]
+        ]
         if said:
             return f"{self.plan.path}: {said[0]}"
         name, value = self.names[error.place], self.values[error.place]

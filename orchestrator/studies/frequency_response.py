@@ -1,4 +1,4 @@
-"""Frequency response of a linearised scene as a picture."""
+"""Frequency response of a linearised scenario as a picture."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ METRICS = {"displacement": "travel", "flap_angle": "flapping_stroke"}
 
 @dataclass(frozen=True)
 class Beside:
-    """A sweep of the nonlinear scene over frequency: half its travels and strokes by `drive`.
+    """A sweep of the nonlinear scenario over frequency: half its travels and strokes by `drive`.
 
     `drive` is the amplitude of what drove it, in the unit of the linear input.
     """
@@ -57,7 +57,7 @@ def draw(
 ) -> Path:
     """Magnitude and phase from every input to the first outputs, two decades up to Nyquist.
 
-    `frequency` [Hz], where a scene has one, is marked; `swept` is drawn as points.
+    `frequency` [Hz], where a scenario has one, is marked; `swept` is drawn as points.
     """
     import matplotlib
 

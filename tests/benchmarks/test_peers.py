@@ -10,18 +10,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from peers import rung as rungs
+from peers import measured as runs
 from peers.cli import main
 from peers.figures import Cost, cost, oscillation
+from peers.measured_run import MeasuredRun, Setting
 from peers.reference import Reference
-from peers.rung import Rung, Setting
 from peers.table import ratio
 from peers.tools import TOOLS
 from peers.wiring import case_of
 
 from .bare import Bare
 
-SCENE = "oscillator-1"
+SCENARIO = "oscillator-1"
 STEPS, CYCLES = 60, 2.0
 OWN = {"cofmpy": Path(sys.prefix) / "cofmpy" / "bin" / "python"}
 """Tools with an environment of their own, which the Makefile makes."""
@@ -44,11 +44,11 @@ def setting(tool: str, method: str, wiring: str, place: float = STEPS) -> Settin
     return Setting(tool, method, wiring, "steps", place)
 
 
-def done(library: Path, tool: str, method: str, wiring: str) -> Rung:
+def done(library: Path, tool: str, method: str, wiring: str) -> MeasuredRun:
     """A tool's run; skipped where the tool is not there."""
-    case = case_of(SCENE, library, wiring, STEPS, CYCLES)
+    case = case_of(SCENARIO, library, wiring, STEPS, CYCLES)
     python = str(OWN[tool]) if tool in OWN and OWN[tool].exists() else ""
-    found = rungs.run(case, setting(tool, method, wiring), 60.0, 1, python)
+    found = runs.run(case, setting(tool, method, wiring), 60.0, 1, python)
     if found.status == "not installed":
         pytest.skip(found.reason)
     assert found.status == "done", found.reason
@@ -65,7 +65,7 @@ def test_a_tool_steps_our_fmus(library: Path, tool: str, method: str, wiring: st
         like = done(library, "ours", "gauss-seidel", wiring).rows[-1]
         assert found.rows[-1] == pytest.approx(like, rel=2e-3)
         return
-    case = case_of(SCENE, library, wiring, STEPS, CYCLES)
+    case = case_of(SCENARIO, library, wiring, STEPS, CYCLES)
     like = Bare(case, again=False, zeros=tool in EXACT).run()
     assert found.rows[-1] == pytest.approx(like, rel=1e-10 if tool in EXACT else 2e-3)
 
@@ -73,18 +73,18 @@ def test_a_tool_steps_our_fmus(library: Path, tool: str, method: str, wiring: st
 @pytest.mark.parametrize("wiring", ["values", "ports"])
 def test_our_jacobi_is_the_bare_loop_that_reads_again(library: Path, wiring: str) -> None:
     """What sets it apart from the other parallel tools: outputs hold at the new point."""
-    case = case_of(SCENE, library, wiring, STEPS, CYCLES)
+    case = case_of(SCENARIO, library, wiring, STEPS, CYCLES)
     own = done(library, "ours", "jacobi", wiring).rows[-1]
     assert own == pytest.approx(Bare(case, again=True).run(), rel=1e-10)
     assert own != pytest.approx(Bare(case, again=False).run(), rel=1e-4)
 
 
 def test_one_ode_agrees_with_the_reference(library: Path) -> None:
-    case = case_of(SCENE, library, "values", STEPS, CYCLES)
+    case = case_of(SCENARIO, library, "values", STEPS, CYCLES)
     tight = type(case)(**{**vars(case), "rtol": 1e-9})
-    found = rungs.run(tight, Setting("scipy", "DOP853", "one ODE", "tolerance", 1e-9), 60.0, 1)
+    found = runs.run(tight, Setting("scipy", "DOP853", "one ODE", "tolerance", 1e-9), 60.0, 1)
     assert found.status == "done", found.reason
-    exact = Reference(SCENE, library, CYCLES).at(found.times)
+    exact = Reference(SCENARIO, library, CYCLES).at(found.times)
     assert np.abs(np.asarray(found.rows) - exact).max() < 1e-7 * np.abs(exact).max()
 
 
@@ -102,14 +102,14 @@ def test_values_are_a_part_of_the_ports(library: Path) -> None:
 
 def test_a_choice_is_built_into_the_fmu(library: Path) -> None:
     """Half of the tools cannot set an enumeration."""
-    amplifier = case_of(SCENE, library, "values", 20, 1.0).components[0]
+    amplifier = case_of(SCENARIO, library, "values", 20, 1.0).components[0]
     assert Path(amplifier.path).stem == "amplifier_raised_sine"
     assert "waveform" not in {start.name for start in amplifier.starts}
 
 
 def test_steps_that_miss_the_points_of_comparison(library: Path) -> None:
     with pytest.raises(ValueError, match="50 steps per cycle"):
-        case_of(SCENE, library, "values", 50, 1.0)
+        case_of(SCENARIO, library, "values", 50, 1.0)
 
 
 def script(folder: Path, text: str) -> str:
@@ -120,9 +120,9 @@ def script(folder: Path, text: str) -> str:
 
 
 def test_a_crash_is_a_result(library: Path, tmp_path: Path) -> None:
-    case = case_of(SCENE, library, "values", 20, 1.0)
+    case = case_of(SCENARIO, library, "values", 20, 1.0)
     dies = script(tmp_path, "echo last words; kill -SEGV $$")
-    found = rungs.run(case, setting("ecos", "fixed step", "values"), 1.0, 1, dies)
+    found = runs.run(case, setting("ecos", "fixed step", "values"), 1.0, 1, dies)
     assert found.status == "crashed"
     assert found.reason == f"{signal.SIGSEGV.name}: last words"
 
@@ -130,18 +130,20 @@ def test_a_crash_is_a_result(library: Path, tmp_path: Path) -> None:
 def test_a_run_over_its_budget_is_ended(
     library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(rungs, "LOADING", 0.2)
-    monkeypatch.setattr(rungs, "LONG", 0.1)
-    case = case_of(SCENE, library, "values", 20, 1.0)
+    monkeypatch.setattr(runs, "LOADING", 0.2)
+    monkeypatch.setattr(runs, "LONG", 0.1)
+    case = case_of(SCENARIO, library, "values", 20, 1.0)
     sleeps = script(tmp_path, "sleep 60")
-    found = rungs.run(case, setting("ecos", "fixed step", "values"), 0.1, 1, sleeps)
+    found = runs.run(case, setting("ecos", "fixed step", "values"), 0.1, 1, sleeps)
     assert found.status == "over budget"
 
 
-def curve(*points: tuple[int, float, float]) -> list[Rung]:
+def curve(*points: tuple[int, float, float]) -> list[MeasuredRun]:
     """Rungs by calls, error and wall time."""
     return [
-        Rung(setting("ecos", "fixed step", "values"), "done", wall=wall, calls=calls, error=error)
+        MeasuredRun(
+            setting("ecos", "fixed step", "values"), "done", wall=wall, calls=calls, error=error
+        )
         for calls, error, wall in points
     ]
 
@@ -168,15 +170,15 @@ def test_stroke_and_frequency_of_a_sine() -> None:
 
 def test_the_command(library: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     main(
-        scene=SCENE, tools="ours,scipy,omsimulator", budget=20.0, cycles=2.0, steps="20,40",
+        scenario=SCENARIO, tools="ours,scipy,omsimulator", budget=20.0, cycles=2.0, steps="20,40",
         tolerances="1e-4", repeats=1, python=[f"omsimulator={script(tmp_path, 'exit 3')}"],
         library=library, output=tmp_path / "out",
     )  # fmt: skip
     said = capsys.readouterr().out
     assert "crashed: exit code 3" in said
     assert "times ours" in said
-    with (tmp_path / "out" / f"{SCENE}.csv").open(encoding="utf-8") as file:
+    with (tmp_path / "out" / f"{SCENARIO}.csv").open(encoding="utf-8") as file:
         lines = list(csv.DictReader(file))
     assert {line["tool"] for line in lines} == {"ours", "scipy", "omsimulator"}
     assert all(line["frequency_hz"] for line in lines if line["status"] == "done")
-    assert (tmp_path / "out" / f"{SCENE}.svg").stat().st_size > 1000
+    assert (tmp_path / "out" / f"{SCENARIO}.svg").stat().st_size > 1000

@@ -24,7 +24,7 @@ UNRUN = {"omsimulator"}
 """Its package cannot be installed from the index alone."""
 SEQUENTIAL = {"cofmpy", "pathsim_fmi", "toolbox"}
 TOOLS = sorted({p.stem.removeprefix("with_") for p in RECIPES.glob("with_*.py")} - UNRUN)
-SCENE = "flapping-full-wings"
+SCENARIO = "flapping-full-wings"
 TIME = {"stop": "10 cycles", "step": {"per_cycle": 100}}
 ANGLE = "linkage.flap_angle"
 
@@ -36,11 +36,11 @@ def stroke(angles: np.ndarray) -> float:
 
 @pytest.fixture(scope="module")
 def archives(library: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """The scene with plain numbers and with whole ports."""
+    """The scenario with plain numbers and with whole ports."""
     folder = tmp_path_factory.mktemp("recipes")
     made = {}
     for laws in ("held", "curvature"):
-        plan = load(SCENE, None, library, time=TIME, master={"laws": laws})
+        plan = load(SCENARIO, None, library, time=TIME, master={"laws": laws})
         made[laws] = folder / f"{laws}.ssp"
         write_ssp(Package(plan, {}), made[laws])
     return made
@@ -49,12 +49,12 @@ def archives(library: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[st
 @cache
 def ours(library: Path, laws: str) -> float:
     master = {"laws": laws, "kind": "gauss-seidel"}
-    return stroke(run(load(SCENE, None, library, time=TIME, master=master)).series(ANGLE))
+    return stroke(run(load(SCENARIO, None, library, time=TIME, master=master)).series(ANGLE))
 
 
 @cache
 def exact(library: Path) -> float:
-    plan = load(SCENE, None, library, time=TIME)
+    plan = load(SCENARIO, None, library, time=TIME)
     return stroke(as_recorded(run(monolithic(plan, library)), plan).series(ANGLE))
 
 
@@ -99,12 +99,12 @@ def test_the_container_is_a_part_of_ours(
         capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-2000:]
-    scene = tmp_path / "container.toml"
-    scene.write_text(
+    scenario = tmp_path / "container.toml"
+    scenario.write_text(
         '[time]\nstop = "10 cycles"\nfrequency = "18 Hz"\nstep = { per_cycle = 100 }\n'
         '[components.vehicle]\nfmu = "vehicle.fmu"\n'
     )
-    outcome = run(load(scene, None, library))
+    outcome = run(load(scenario, None, library))
     assert outcome.failure is None
     found = stroke(outcome.series("vehicle.flap_angle"))
     assert found == pytest.approx(ours(library, "curvature"), abs=5e-3)

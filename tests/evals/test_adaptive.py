@@ -12,7 +12,7 @@ from orchestrator.simulation.load import load
 from orchestrator.simulation.run import replay, run
 from orchestrator.studies.reference.monolith import as_recorded, monolithic
 
-SCENES = {
+SCENARIOS = {
     "oscillator-1": "payload.displacement",
     "flapping-full-wings": "linkage.displacement",
 }
@@ -20,33 +20,33 @@ FAST = [1e-2, 1e-3, 1e-4]
 FINE = [1e-5, 1e-6]
 
 
-def ratio(library: Path, scene: str, tolerance: float) -> tuple[float, float]:
+def ratio(library: Path, scenario: str, tolerance: float) -> tuple[float, float]:
     """Estimated by true error of the motion, and the true one by the largest displacement."""
-    plan = load(scene, None, library, time={"stop": "8 cycles", "tolerance": tolerance})
+    plan = load(scenario, None, library, time={"stop": "8 cycles", "tolerance": tolerance})
     done = run(plan)
     assert done.failure is None
     assert done.estimates is not None
     single = monolithic(plan, library)
     time = single.scenario.time.model_copy(update={"tolerance": None})
     single = replace(single, scenario=single.scenario.model_copy(update={"time": time}))
-    reference = as_recorded(replay(single, done.times.tolist()), plan).series(SCENES[scene])
-    true = float(np.abs(done.series(SCENES[scene]) - reference).max())
-    return done.estimates[SCENES[scene]].error / true, true / float(np.abs(reference).max())
+    reference = as_recorded(replay(single, done.times.tolist()), plan).series(SCENARIOS[scenario])
+    true = float(np.abs(done.series(SCENARIOS[scenario]) - reference).max())
+    return done.estimates[SCENARIOS[scenario]].error / true, true / float(np.abs(reference).max())
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scenario", SCENARIOS)
 @pytest.mark.parametrize("tolerance", FAST)
-def test_estimate_within_a_factor_of_three(library: Path, scene: str, tolerance: float) -> None:
-    found, true = ratio(library, scene, tolerance)
+def test_estimate_within_a_factor_of_three(library: Path, scenario: str, tolerance: float) -> None:
+    found, true = ratio(library, scenario, tolerance)
     assert 1.0 / 3.0 < found < 3.0
     assert true < 2.0 * tolerance
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scenario", SCENARIOS)
 @pytest.mark.parametrize("tolerance", FINE)
-def test_fine_tolerances_too(library: Path, scene: str, tolerance: float) -> None:
-    found, true = ratio(library, scene, tolerance)
+def test_fine_tolerances_too(library: Path, scenario: str, tolerance: float) -> None:
+    found, true = ratio(library, scenario, tolerance)
     assert 1.0 / 3.0 < found < 3.0
     assert true < 2.0 * tolerance
 

@@ -23,7 +23,7 @@ def value(outcome: Outcome, name: str) -> float:
 
 
 @pytest.mark.parametrize(
-    ("scene", "frequency", "stroke", "tolerance"),
+    ("scenario", "frequency", "stroke", "tolerance"),
     [
         ("flapping-no-wing", 34.0, 96.0, 0.01),  # both calibrated
         ("flapping-frames", 22.0, 83.0, 0.01),  # both calibrated
@@ -31,25 +31,25 @@ def value(outcome: Outcome, name: str) -> float:
     ],
 )
 def test_peaks_of_figure_11(
-    outcome: Runner, scene: str, frequency: float, stroke: float, tolerance: float
+    outcome: Runner, scenario: str, frequency: float, stroke: float, tolerance: float
 ) -> None:
     """The stroke at the peak, and that it is one: 3 % to either side is less."""
     strokes = [
-        np.degrees(value(outcome(scene, {"amplifier.frequency": f"{f} Hz"}), "flapping stroke"))
+        np.degrees(value(outcome(scenario, {"amplifier.frequency": f"{f} Hz"}), "flapping stroke"))
         for f in (0.97 * frequency, frequency, 1.03 * frequency)
     ]
     assert strokes[1] == pytest.approx(stroke, rel=tolerance)
     assert strokes[1] > max(strokes[0], strokes[2])
 
 
-def against_monolith(library: Path, scene: str, laws: str, steps: int, cycles: int) -> float:
+def against_monolith(library: Path, scenario: str, laws: str, steps: int, cycles: int) -> float:
     time = {"stop": f"{cycles} cycles"}
-    base = load(scene, None, library, time={**time, "step": {"per_cycle": 10}})
+    base = load(scenario, None, library, time={**time, "step": {"per_cycle": 10}})
     reference = as_recorded(run(monolithic(base, library)), base)
     assert reference.failure is None
     timed = {**time, "step": {"per_cycle": steps}}
     master = {"laws": laws, "kind": "gauss-seidel"}
-    plan = load(scene, None, library, master=master, time=timed)
+    plan = load(scenario, None, library, master=master, time=timed)
     coupled = run(plan)
     assert coupled.failure is None
     worst = 0.0
@@ -61,15 +61,15 @@ def against_monolith(library: Path, scene: str, laws: str, steps: int, cycles: i
     return worst
 
 
-@pytest.mark.parametrize("scene", [*FLAPPING, *(f"oscillator-{k}" for k in range(1, 6))])
-def test_a_thousandth_at_fifty_steps_per_cycle(library: Path, scene: str) -> None:
-    assert against_monolith(library, scene, "curvature", 50, 6) < 1e-3
+@pytest.mark.parametrize("scenario", [*FLAPPING, *(f"oscillator-{k}" for k in range(1, 6))])
+def test_a_thousandth_at_fifty_steps_per_cycle(library: Path, scenario: str) -> None:
+    assert against_monolith(library, scenario, "curvature", 50, 6) < 1e-3
 
 
-@pytest.mark.parametrize("scene", ["bench-silicone", "dea-1"])
-def test_a_film_at_full_voltage_takes_eighty(library: Path, scene: str) -> None:
+@pytest.mark.parametrize("scenario", ["bench-silicone", "dea-1"])
+def test_a_film_at_full_voltage_takes_eighty(library: Path, scenario: str) -> None:
     """Half of the spacer's height to either side, and a drive with kinks."""
-    assert against_monolith(library, scene, "curvature", 80, 6) < 1e-3
+    assert against_monolith(library, scenario, "curvature", 80, 6) < 1e-3
 
 
 def test_laws_beat_numbers_by_their_order(library: Path) -> None:
@@ -92,10 +92,10 @@ def test_a_start_from_rest_is_no_growth(outcome: Runner) -> None:
     assert outcome("flapping-full-wings", time=time, master=settings).failure is None
 
 
-@pytest.mark.parametrize("scene", [*FLAPPING, "oscillator-1"])
-def test_energy_closes_over_twenty_cycles(outcome: Runner, scene: str) -> None:
+@pytest.mark.parametrize("scenario", [*FLAPPING, "oscillator-1"])
+def test_energy_closes_over_twenty_cycles(outcome: Runner, scenario: str) -> None:
     """supplied = stored + dissipated + aerodynamic, to 1e-3 of what was supplied."""
-    done = outcome(scene, time={"stop": "20 cycles"})
+    done = outcome(scenario, time={"stop": "20 cycles"})
 
     def last(name: str) -> float:
         return float(done.series(name)[-1]) if name in done.names else 0.0

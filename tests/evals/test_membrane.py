@@ -1,4 +1,4 @@
-"""The membrane in whole scenes: swap, energy, figures."""
+"""The membrane in whole scenarios: swap, energy, figures."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ def test_energy_closes_over_fifty_cycles_without_loss(outcome: Runner) -> None:
 
 
 @pytest.mark.parametrize(
-    "scene", ["oscillator-1", "flapping-no-wing", "flapping-frames", "flapping-full-wings"]
+    "scenario", ["oscillator-1", "flapping-no-wing", "flapping-frames", "flapping-full-wings"]
 )
 def test_the_membrane_takes_the_place_of_the_spring(
-    outcome: Runner, tmp_path_factory: pytest.TempPathFactory, scene: str
+    outcome: Runner, tmp_path_factory: pytest.TempPathFactory, scenario: str
 ) -> None:
     """One line: another `fmu` in the component."""
     path = tmp_path_factory.mktemp("swap") / "swap.toml"
-    path.write_text(f'extends = "{scene}"\n[components.spring]\nfmu = "membrane"\n')
+    path.write_text(f'extends = "{scenario}"\n[components.spring]\nfmu = "membrane"\n')
     done = outcome(path, time={"stop": "5 cycles"})
     assert done.failure is None
     assert np.ptp(done.rows[:, [n.endswith("displacement") for n in done.names]]) > 1e-4

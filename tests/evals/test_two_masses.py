@@ -12,7 +12,7 @@ from orchestrator.results.outcome import Outcome
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import MASTERS
 from orchestrator.simulation.run import run
-from tests.evals.two_masses import exact, scenes
+from tests.evals.two_masses import exact, scenarios
 
 KINDS = sorted(MASTERS)
 SECOND = ("extrapolated", "interface-newton", "iterative")
@@ -21,13 +21,13 @@ X = "first.displacement"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return scenes(tmp_path_factory.mktemp("two"))
+    return scenarios(tmp_path_factory.mktemp("two"))
 
 
-def solved(folder: Path, library: Path, scene: str, kind: str, stiffness: float = 1.0,
+def solved(folder: Path, library: Path, scenario: str, kind: str, stiffness: float = 1.0,
            **time: object) -> Outcome:  # fmt: skip
     changes = {"pair.stiffness": str(stiffness)}
-    path = folder / f"{scene}.toml"
+    path = folder / f"{scenario}.toml"
     return run(load(path, changes, library, time=time, master={"kind": kind}))
 
 
@@ -121,13 +121,13 @@ def test_acceleration_settles_what_plain_passes_do_not(
     assert helped.series(X) == pytest.approx(newton.series(X), abs=1e-6)
 
 
-@pytest.mark.parametrize("scene", ["numbers", "laws"])
+@pytest.mark.parametrize("scenario", ["numbers", "laws"])
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
 def test_the_estimate_is_the_error(
-    folder: Path, library: Path, scene: str, tolerance: float
+    folder: Path, library: Path, scenario: str, tolerance: float
 ) -> None:
-    kind = "gauss-seidel" if scene == "laws" else "extrapolated"
-    done = solved(folder, library, scene, kind, tolerance=tolerance, stop=5.0)
+    kind = "gauss-seidel" if scenario == "laws" else "extrapolated"
+    done = solved(folder, library, scenario, kind, tolerance=tolerance, stop=5.0)
     assert done.failure is None
     assert done.estimates is not None
     assert 1.0 / 3.0 < done.estimates[X].error / miss(done) < 3.0
@@ -136,7 +136,7 @@ def test_the_estimate_is_the_error(
 
 def test_steps_adapt_without_rollback(tmp_path: Path, library: Path) -> None:
     """Extrapolation against what came; nothing can be taken back."""
-    folder = scenes(tmp_path, rollback=False)
+    folder = scenarios(tmp_path, rollback=False)
     errors = []
     for tolerance in (1e-3, 1e-5):
         done = solved(folder, library, "numbers", "extrapolated", tolerance=tolerance, stop=5.0)

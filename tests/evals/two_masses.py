@@ -76,8 +76,8 @@ to = "{mass}.force"
 """Our payload as both masses: the pair's law crosses whole."""
 
 
-def scenes(folder: Path, *, rollback: bool = True) -> Path:
-    """Both scenes and their FMUs in a folder: numbers.toml, laws.toml."""
+def scenarios(folder: Path, *, rollback: bool = True) -> Path:
+    """Both scenarios and their FMUs in a folder: numbers.toml, laws.toml."""
     for model in ("PAIR", "MASS"):
         foreign(model, folder, rollback=rollback)
     (folder / "numbers.toml").write_text(NUMBERS)

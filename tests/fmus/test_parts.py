@@ -27,7 +27,7 @@ from fmus.part import Part
 from fmus.units import exponents
 from orchestrator.fmi.archive import extract
 from orchestrator.fmi.description import Interface, read_interface
-from orchestrator.fmi.instance import Local, in_process
+from orchestrator.fmi.instance import InProcessInstance, in_process
 
 PARTS = build_fmus.part_names()
 ACCURACY = {"membrane": 1e-5, "profile": 2e-5}
@@ -46,7 +46,7 @@ def instance(
     start: dict[str, float | str] | None = None,
     name: str = "unit",
     initialised: bool = True,
-) -> Iterator[tuple[Local, Interface, Any, Any]]:
+) -> Iterator[tuple[InProcessInstance, Interface, Any, Any]]:
     """An initialised unit with buffers over all real inputs and outputs."""
     interface = read_interface(path)
     if not any(folder.iterdir()):
@@ -255,7 +255,7 @@ def test_rollback_is_bitwise(library: Path, tmp_path: Path, name: str, serialise
         unit.forget(state)
 
 
-def _through_bytes(unit: Local, state: Any) -> Any:
+def _through_bytes(unit: InProcessInstance, state: Any) -> Any:
     """A state written to bytes and read back; FMI's own functions, which no master needs."""
     library, instance = unit._library, ctypes.c_void_p(unit._instance)
     size = ctypes.c_size_t()
@@ -380,13 +380,13 @@ def test_five_hundred_lives(library: Path, tmp_path: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", [n for n in PARTS if dataclasses.fields(part_of(n).physics.Input)])
 def test_a_bad_input_is_refused_and_named(library: Path, tmp_path: Path, name: str) -> None:
-    from orchestrator.errors import UnitFailure
+    from orchestrator.errors import InstanceFailure
 
     with instance(library / f"{name}.fmu", tmp_path) as (unit, interface, sent, _):
         sent[0] = math.nan
         unit.send()
         first = interface.of("input")[0].name
-        with pytest.raises(UnitFailure, match=f"step.*discard.*{first} is nan"):
+        with pytest.raises(InstanceFailure, match=f"step.*discard.*{first} is nan"):
             unit.step(0.0, 1e-4)
         sent[0] = float(interface.of("input")[0].start or 0.0)
         unit.send()

@@ -47,9 +47,9 @@ class Ecos(Tool):
                     f"{wire.source}::{wire.output}", f"{wire.target}::{wire.input}"
                 )
             values = {f"{c.name}::{s.name}": s.value for c in case.components for s in c.starts}
-            structure.add_parameter_set("scene", values)
+            structure.add_parameter_set("scenario", values)
             with EcosSimulation(case.step, structure=structure) as simulation:
-                if not simulation.init(0.0, "scene"):
+                if not simulation.init(0.0, "scenario"):
                     raise RuntimeError(f"init: {EcosLib.get_last_error()}")
                 names = [f"{w.component}::{w.name}" for w in case.watched]
 

@@ -17,10 +17,10 @@ MOST = 4_000_000
 
 class Libcosim(Tool):
     """Steps are whole nanoseconds, so that its points lie up to half of one per step beside
-    the scene's: times are those that it has really stepped to. It keeps what is watched
+    the scenario's: times are those that it has really stepped to. It keeps what is watched
     itself; fetching that afterwards is not on the clock. Units are initialised in the first
     step, which is therefore taken before the clock runs. ECCO chooses its steps from the
-    energy residual of the power bonds, to the tolerance of the rung."""
+    energy residual of the power bonds, to the tolerance of the run."""
 
     name = "libcosim"
     distribution = "libcosimpy"

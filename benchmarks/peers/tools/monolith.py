@@ -71,7 +71,7 @@ def _still(record: type[Any]) -> dict[str, float]:
 
 
 def _parameters(case: Case) -> tuple[Any, Callable[[Any], list[Callable[[Any], float]]]]:
-    """The monolith's parameters for a scene, and how its state shows what is watched."""
+    """The monolith's parameters for a scenario, and how its state shows what is watched."""
     from fmus.linkage import physics as linkage
     from fmus.linkage.kinematics import flap
     from fmus.monolith import physics
@@ -81,7 +81,7 @@ def _parameters(case: Case) -> tuple[Any, Callable[[Any], list[Callable[[Any], f
     from ..wiring import plan_of
 
     library = Path(case.library)
-    plan = plan_of(case.scene, library, "values", case.per_cycle, case.cycles)
+    plan = plan_of(case.scenario, library, "values", case.per_cycle, case.cycles)
     starts = monolithic(plan, library).starts["monolith"]
     named = {q.fmi_name(field): field for field, q in quantities(physics.Params).items()}
     p = physics.Params(**{named[name]: float(value) for name, value in starts.items()})

@@ -34,7 +34,7 @@ class Ours(Tool):
         from ..wiring import plan_of
 
         plan = plan_of(
-            case.scene, Path(case.library), case.wiring, case.per_cycle, case.cycles, method,
+            case.scenario, Path(case.library), case.wiring, case.per_cycle, case.cycles, method,
             every=case.every,
         )  # fmt: skip
         names = [f"{w.component}.{w.name}" for w in case.watched]

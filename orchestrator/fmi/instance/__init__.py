@@ -5,39 +5,39 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..description import Interface
-from .base import Limits, Unit
-from .in_process import Local
+from .base import Instance, Limits
+from .in_process import InProcessInstance
 
 USUAL = Limits()
 
-__all__ = ["Limits", "Local", "Unit", "in_process", "open_unit"]
+__all__ = ["InProcessInstance", "Instance", "Limits", "in_process", "open_instance"]
 
 
-def open_unit(
+def open_instance(
     name: str,
     interface: Interface,
     folder: Path,
     isolate: bool | None = None,
     limits: Limits = USUAL,
-) -> Unit:
+) -> Instance:
     """Instance of the FMU unpacked in `folder`; foreign ones in a process of their own.
 
     `isolate` overrides that. Raises `FmuError` where the FMU has no library for this platform,
-    `UnitFailure` where it does not come to life.
+    `InstanceFailure` where it does not come to life.
     """
     if isolate if isolate is not None else not interface.ours:
-        from .isolated import Remote
+        from .isolated import IsolatedInstance
 
-        return Remote(name, interface, folder, limits)
+        return IsolatedInstance(name, interface, folder, limits)
     return in_process(name, interface, folder)
 
 
-def in_process(name: str, interface: Interface, folder: Path) -> Local:
+def in_process(name: str, interface: Interface, folder: Path) -> InProcessInstance:
     """Instance in this process, by its version of FMI."""
     if interface.version == 3:
-        from .fmi3 import Fmi3Unit
+        from .fmi3 import Fmi3Instance
 
-        return Fmi3Unit(name, interface, folder)
-    from .fmi2 import Fmi2Unit
+        return Fmi3Instance(name, interface, folder)
+    from .fmi2 import Fmi2Instance
 
-    return Fmi2Unit(name, interface, folder)
+    return Fmi2Instance(name, interface, folder)

@@ -2,7 +2,7 @@
 
 Legal order of calls, as in FMI: `connect`, `prepare` (parameters), `enter_initialisation`,
 then any number of `send` and `receive`, `exit_initialisation`, then `send`, `step`,
-`receive` in rounds, at last `close`. After a `UnitFailure` only `restore`, `forget` and
+`receive` in rounds, at last `close`. After a `InstanceFailure` only `restore`, `forget` and
 `close` may follow.
 """
 
@@ -32,7 +32,7 @@ class Limits:
     memory: int = 4 << 30
 
 
-class Unit(ABC):
+class Instance(ABC):
     """An instance of an FMU.
 
     Inputs and outputs travel through the buffers given to :meth:`connect`, in the order of
@@ -83,7 +83,7 @@ class Unit(ABC):
 
     @abstractmethod
     def step(self, time: float, size: float) -> None:
-        """Advance from `time` by `size` [s]; `UnitFailure` unless the unit says OK."""
+        """Advance from `time` by `size` [s]; `InstanceFailure` unless the unit says OK."""
 
     @abstractmethod
     def receive(self, group: int = -1) -> None:

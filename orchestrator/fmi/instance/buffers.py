@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import UnitFailure
+from ...errors import InstanceFailure
 from ..description import EXACT, Variable
 from .base import Values
 
@@ -102,7 +102,7 @@ def writer(made: list[Block], values: Values, bind: Binder) -> Callable[[], int]
 def reader(name: str, made: list[Block], values: Values, bind: Binder) -> Callable[[], int]:
     """Call that fills the buffer from the FMU.
 
-    Raises `UnitFailure`, in the name of the unit, on a whole number that no double holds.
+    Raises `InstanceFailure`, in the name of the unit, on a whole number that no double holds.
     """
     if not made:
         return _nothing
@@ -116,7 +116,7 @@ def reader(name: str, made: list[Block], values: Values, bind: Binder) -> Callab
             worst = max(worst, call())
             found = block.staging[block.places]
             if block.kind in WIDE and max(int(found.max()), -int(found.min())) > EXACT:
-                raise UnitFailure(
+                raise InstanceFailure(
                     f"{name}: a {block.kind} output is beyond 2^53: no double holds it"
                 )
             values[block.buffer] = found

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..description import Variable
-from .in_process import Local, listen, route
+from .in_process import InProcessInstance, listen, route
 
 CO_SIMULATION = 1
 POINTER = ctypes.c_void_p
@@ -20,7 +20,7 @@ COUNT = ctypes.c_size_t
 FLAG = ctypes.c_int
 
 
-class Fmi2Unit(Local):
+class Fmi2Instance(InProcessInstance):
     """An instance of an FMI 2.0 FMU."""
 
     PREFIX = "fmi2"

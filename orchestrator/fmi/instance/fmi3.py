@@ -16,10 +16,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...errors import UnitFailure
+from ...errors import InstanceFailure
 from ..description import Variable
 from .buffers import DTYPES
-from .in_process import Local, listen, route
+from .in_process import InProcessInstance, listen, route
 
 POINTER = ctypes.c_void_p
 DOUBLE = ctypes.c_double
@@ -28,7 +28,7 @@ FLAG = ctypes.c_bool
 TEXT = ctypes.c_char_p
 
 
-class Fmi3Unit(Local):
+class Fmi3Instance(InProcessInstance):
     """An instance of an FMI 3.0 FMU."""
 
     PREFIX = "fmi3"
@@ -110,17 +110,19 @@ class Fmi3Unit(Local):
         return status
 
     def _refuse(self, time: float, size: float) -> None:
-        """`UnitFailure` where the step did not simply go through."""
+        """`InstanceFailure` where the step did not simply go through."""
         where = f"{self.name}: step from t = {time:.9g} s by {size:.4g} s"
         if self._terminate.value:
-            raise UnitFailure(f"{where}: the unit asks for the end of the simulation{self.said()}")
+            raise InstanceFailure(
+                f"{where}: the unit asks for the end of the simulation{self.said()}"
+            )
         if self._early.value:
-            raise UnitFailure(
+            raise InstanceFailure(
                 f"{where}: the unit returned early, at t = {self._reached.value:.9g} s, which it"
                 " was not allowed to; export it without early return"
             )
         if self._event.value:
-            raise UnitFailure(
+            raise InstanceFailure(
                 f"{where}: the unit asks for event mode, which it was not given; export it so"
                 " that it handles its events inside a step"
             )

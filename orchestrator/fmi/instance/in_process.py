@@ -12,16 +12,16 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
-from ...errors import FmuError, UnitFailure
+from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable
-from .base import STATUS, Unit, Values
+from .base import STATUS, Instance, Values
 from .buffers import Block, blocks, reader, writer
 from .library import loaded, shared_library
 
 FATAL = 4
 
 
-class Local(Unit):
+class InProcessInstance(Instance):
     """An instance called through preallocated buffers.
 
     Subclasses say how their version of FMI names and shapes its functions; `dtypes` are the
@@ -42,7 +42,7 @@ class Local(Unit):
         self._library = loaded(interface, shared_library(interface, folder))
         self._instance = self._instantiate(folder)
         if not self._instance:
-            raise UnitFailure(f"{name}: cannot be instantiated{self.said()}")
+            raise InstanceFailure(f"{name}: cannot be instantiated{self.said()}")
         self._send: Callable[[], int] = _nothing
         self._receive: list[Callable[[], int]] = []
         self._sent: list[Block] = []
@@ -79,7 +79,9 @@ class Local(Unit):
         numbers = [v for v in variables if v.numeric]
         for v in variables:
             if v.kind == "Binary" or (v.kind == "String" and v.extent > 1):
-                raise UnitFailure(f"{self.name}: {v.name} is no number or text: it cannot be set")
+                raise InstanceFailure(
+                    f"{self.name}: {v.name} is no number or text: it cannot be set"
+                )
             if v.kind == "String":
                 self._set_text(v, str(start[v.name]))
         for block in self._sent:
@@ -174,7 +176,7 @@ class Local(Unit):
 
     def _call(self, function: Any, *arguments: Any) -> None:
         if self._broken:
-            raise UnitFailure(self._why)
+            raise InstanceFailure(self._why)
         if status := function(self._instance, *arguments):
             self._fail(function.__name__, status)
 
@@ -184,29 +186,29 @@ class Local(Unit):
         self._broken = status >= FATAL
         label = STATUS[status] if 0 <= status < len(STATUS) else f"status {status}"
         self._why = f"{self.name}: {what}: {label}{self.said()}"
-        raise UnitFailure(self._why)
+        raise InstanceFailure(self._why)
 
 
-_listeners: WeakValueDictionary[int, Unit] = WeakValueDictionary()
+_listeners: WeakValueDictionary[int, Instance] = WeakValueDictionary()
 _numbers = itertools.count(1)
 
 
-def listen(unit: Unit) -> int:
+def listen(instance: Instance) -> int:
     """Number under which a unit's messages come back.
 
     fmpy's proxy for C varargs keeps one logger for the whole process, the last one given;
     the environment handed to the instance is what still tells the units apart.
     """
     number = next(_numbers)
-    _listeners[number] = unit
+    _listeners[number] = instance
     return number
 
 
 def route(environment: int | None, status: int, message: bytes | None) -> None:
     """Hand a message to the unit that it comes from."""
-    unit = _listeners.get(environment or 0)
-    if unit is not None:
-        unit.log(status, (message or b"").decode("utf-8", "replace"))
+    instance = _listeners.get(environment or 0)
+    if instance is not None:
+        instance.log(status, (message or b"").decode("utf-8", "replace"))
 
 
 def _nothing() -> int:

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import FmuError, UnitFailure, printable
+from ...errors import FmuError, InstanceFailure, printable
 from ..description import Interface, Variable
-from .base import Limits, Unit, Values
+from .base import Instance, Limits, Values
 from .protocol import STEP, Garbled, Gone, command, read_answer, write_all
 
 LAST_WORDS = 4000
@@ -26,7 +26,7 @@ FAREWELL = 2.0
 """Seconds that a unit gets to terminate and free itself at the end."""
 
 
-class Remote(Unit):
+class IsolatedInstance(Instance):
     """The master's end of an isolated unit.
 
     A step is one round trip: inputs, doStep and outputs together. A call without an answer
@@ -47,7 +47,7 @@ class Remote(Unit):
             self._process = _started(folder)
         except OSError as error:
             reason = f"its process cannot be started ({error.strerror})"
-            raise UnitFailure(f"{name}: {reason}") from None
+            raise InstanceFailure(f"{name}: {reason}") from None
         assert self._process.stdin and self._process.stdout and self._process.stderr
         self._to, self._from = self._process.stdin.fileno(), self._process.stdout.fileno()
         self._words = _Tail(self._process.stderr)
@@ -67,9 +67,9 @@ class Remote(Unit):
         return self._exchange(letter, payload, what)[0]
 
     def _exchange(self, letter: bytes, payload: bytes, what: str) -> tuple[Any, bytes]:
-        """One round trip; `UnitFailure` where the unit fails, dies or does not answer."""
+        """One round trip; `InstanceFailure` where the unit fails, dies or does not answer."""
         if self._lost:
-            raise UnitFailure(self._why)
+            raise InstanceFailure(self._why)
         self._lost = True
         self._watch.begin()
         try:
@@ -77,10 +77,10 @@ class Remote(Unit):
             kind, said, messages, values = read_answer(self._from)
         except Gone:
             self._why = f"{self.name}: {what}: {self._fate()}{self.said()}"
-            raise UnitFailure(self._why) from None
+            raise InstanceFailure(self._why) from None
         except Garbled:
             self._why = f"{self.name}: {what}: its process gave no sane answer"
-            raise UnitFailure(self._why) from None
+            raise InstanceFailure(self._why) from None
         finally:
             self._watch.end()
         self._lost = False
@@ -88,7 +88,7 @@ class Remote(Unit):
             self.log(0, message)
         if kind == b"k":
             return said, values
-        raise (FmuError if kind == b"e" else UnitFailure)(str(said))
+        raise (FmuError if kind == b"e" else InstanceFailure)(str(said))
 
     def _fate(self) -> str:
         """What has become of the process, which has closed its pipe."""
@@ -160,7 +160,7 @@ class Remote(Unit):
         self._fresh = False
         self._current = True
         if len(values) != self._outputs.nbytes:
-            raise UnitFailure(f"{self.name}: its process answered with other values than asked")
+            raise InstanceFailure(f"{self.name}: its process answered with other values than asked")
         self._outputs[:] = np.frombuffer(values)
 
     def _flush(self) -> None:
@@ -192,7 +192,7 @@ class Remote(Unit):
                 self._lost = True
                 process.stdin.close()  # type: ignore[union-attr]
                 process.wait(FAREWELL)
-        except (UnitFailure, FmuError, OSError, subprocess.TimeoutExpired) as error:
+        except (InstanceFailure, FmuError, OSError, subprocess.TimeoutExpired) as error:
             self.log(0, str(error))
         finally:
             self._lost = True
@@ -241,7 +241,7 @@ def _largest_child() -> float:
 
 
 def _in_bytes(count: int) -> str:
-    """A number of bytes in MB, as scenes have it."""
+    """A number of bytes in MB, as scenarios have it."""
     return f"{count / 1e6:.4g} MB"
 
 

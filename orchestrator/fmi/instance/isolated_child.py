@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import FmuError, UnitFailure, printable
+from ...errors import FmuError, InstanceFailure, printable
 from ..description import Interface, Variable, read_interface
 from . import in_process
-from .in_process import Local
+from .in_process import InProcessInstance
 from .protocol import COMMAND, STEP, Gone, answer, read_exactly, write_all
 
 
@@ -30,7 +30,7 @@ class Host:
     """The instance, its buffers, and one method for each command."""
 
     def __init__(self) -> None:
-        self.unit: Local | None = None
+        self.instance: InProcessInstance | None = None
         self.interface: Interface | None = None
         self.told = 0
         self.states: dict[int, Any] = {}
@@ -45,7 +45,7 @@ class Host:
             try:
                 text, values = self.obey(letter.decode(), payload)
                 reply = answer(b"k", self._news(text), values)
-            except UnitFailure as error:
+            except InstanceFailure as error:
                 reply = answer(b"f", self._news(str(error)))
             except FmuError as error:
                 reply = answer(b"e", self._news(str(error)))
@@ -54,9 +54,9 @@ class Host:
     def _news(self, text: Any) -> Any:
         """What is to be said, with the messages that have come since the last answer."""
         fresh: list[str] = []
-        if self.unit is not None and self.unit.heard > self.told:
-            fresh = self.unit.messages[self.told - self.unit.heard :]
-            self.told = self.unit.heard
+        if self.instance is not None and self.instance.heard > self.told:
+            fresh = self.instance.messages[self.told - self.instance.heard :]
+            self.told = self.instance.heard
         return None if text is None and not fresh else {"said": text, "messages": fresh}
 
     def obey(self, letter: str, payload: bytes) -> tuple[Any, bytes]:
@@ -69,60 +69,60 @@ class Host:
             return None, b""
         if letter == "n" and self.interface is not None:
             given = json.loads(payload)
-            self.unit = in_process(given["name"], self.interface, Path(given["folder"]))
+            self.instance = in_process(given["name"], self.interface, Path(given["folder"]))
             return None, b""
-        if self.unit is None:
-            raise UnitFailure("not open yet")
-        return self._obey(self.unit, letter, payload)
+        if self.instance is None:
+            raise InstanceFailure("not open yet")
+        return self._obey(self.instance, letter, payload)
 
-    def _obey(self, unit: Local, letter: str, payload: bytes) -> tuple[Any, bytes]:
+    def _obey(self, instance: InProcessInstance, letter: str, payload: bytes) -> tuple[Any, bytes]:
         if letter == "d":
             size = STEP.size
             moment, step, fresh = STEP.unpack(payload[:size])
             if fresh:
                 self.inputs[:] = np.frombuffer(payload[size:])
-                unit.send()
-            unit.step(moment, step)
-            unit.receive()
+                instance.send()
+            instance.step(moment, step)
+            instance.receive()
             return None, self.outputs.tobytes()
         if letter == "g":
             if len(payload) > 1:
                 self.inputs[:] = np.frombuffer(payload[1:])
-                unit.send()
+                instance.send()
             if payload[0]:
-                unit.receive()
+                instance.receive()
             return None, self.outputs.tobytes()
         if letter == "s":
             number = max(self.states, default=0) + 1
-            self.states[number] = unit.save()
+            self.states[number] = instance.save()
             return number, b""
-        return self._seldom(unit, letter, json.loads(payload or b"null")), b""
+        return self._seldom(instance, letter, json.loads(payload or b"null")), b""
 
-    def _seldom(self, unit: Local, letter: str, given: Any) -> Any:
+    def _seldom(self, instance: InProcessInstance, letter: str, given: Any) -> Any:
         if letter == "r":
-            unit.restore(self.states[given])
+            instance.restore(self.states[given])
         elif letter == "f":
-            unit.forget(self.states.pop(given))
+            instance.forget(self.states.pop(given))
         elif letter == "p":
-            unit.prepare(*given)
+            instance.prepare(*given)
         elif letter == "t":
-            unit.set(given)
+            instance.set(given)
         elif letter == "c":
-            self._connect(unit, given)
+            self._connect(instance, given)
         elif letter == "i":
-            unit.enter_initialisation()
+            instance.enter_initialisation()
         elif letter == "x":
-            unit.exit_initialisation()
+            instance.exit_initialisation()
         elif letter == "q":
-            unit.close()
+            instance.close()
         return None
 
-    def _connect(self, unit: Local, given: Any) -> None:
-        known = unit.interface.variables
+    def _connect(self, instance: InProcessInstance, given: Any) -> None:
+        known = instance.interface.variables
         inputs: list[Variable] = [known[name] for name in given["inputs"]]
         outputs = [known[name] for name in given["outputs"]]
         self.inputs, self.outputs = np.zeros(len(inputs)), np.zeros(len(outputs))
-        unit.connect(inputs, self.inputs, [outputs], self.outputs)
+        instance.connect(inputs, self.inputs, [outputs], self.outputs)
 
 
 def _limit_memory(most: int) -> None:

@@ -1,4 +1,4 @@
-"""A checked scene as a drawing: units from top to bottom as they are stepped, wires between.
+"""A checked scenario as a drawing: units from top to bottom as they are stepped, wires between.
 
 Wires that run with the order of stepping are on the right, those against it on the left.
 Neighbours are joined directly, in the gap between their boxes; any other wire leaves at the
@@ -24,7 +24,7 @@ DPI = 150
 
 
 def draw(plan: Plan, path: Path) -> Path:
-    """Write an SVG, or a PNG where the file is named so; the same scene gives the same bytes."""
+    """Write an SVG, or a PNG where the file is named so; the same scenario gives the same bytes."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_svg import FigureCanvasSVG

@@ -390,7 +390,7 @@ def _framed(
 
 
 def _heading(plan: Plan) -> Text:
-    """The scene's title, else the name of its file."""
+    """The scenario's title, else the name of its file."""
     words = printable(plan.scenario.title.strip() or plan.path.name)
     return Text(0.0, 0.0, words, TITLE, "center", bold=True)
 

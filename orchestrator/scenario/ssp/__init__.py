@@ -1,4 +1,4 @@
-"""System structures of the SSP standard, 1.0 and 2.0, read as scenes."""
+"""System structures of the SSP standard, 1.0 and 2.0, read as scenarios."""
 
 from .read import read_ssp
 

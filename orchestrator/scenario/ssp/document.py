@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
-from ...errors import SceneError, printable
+from ...errors import ScenarioError, printable
 from .names import FMU, MAPPING, PARAMETERS, local, tag
 
 Fetch = Callable[[str], Any]
@@ -84,15 +84,17 @@ class Reader:
         self._fetch = fetch
 
     def document(self, root: Any) -> Document:
-        """The description; `SceneError` with all that cannot be taken over."""
+        """The description; `ScenarioError` with all that cannot be taken over."""
         if root.tag != tag("ssd:SystemStructureDescription"):
-            raise SceneError(f"{self.where}: is no system structure description")
+            raise ScenarioError(f"{self.where}: is no system structure description")
         version = root.get("version") or ""
         if version.partition(".")[0] not in {"1", "2"}:
-            raise SceneError(f"{self.where}: SSP version {printable(version)!r} is not known here")
+            raise ScenarioError(
+                f"{self.where}: SSP version {printable(version)!r} is not known here"
+            )
         system = root.find(tag("ssd:System"))
         if system is None:
-            raise SceneError(f"{self.where}: describes no system")
+            raise ScenarioError(f"{self.where}: describes no system")
         found = self.system(system)
         start, stop = self._experiment(root.find(tag("ssd:DefaultExperiment")))
         said = root.find(tag("ssd:Annotations"))
@@ -102,7 +104,7 @@ class Reader:
             if local(each) == "Annotation"
         }
         if self.problems:
-            raise SceneError(f"{self.where}: {problem}" for problem in self.problems)
+            raise ScenarioError(f"{self.where}: {problem}" for problem in self.problems)
         return Document(root.get("name") or "", found, start, stop, annotations)
 
     def system(self, element: Any) -> System:

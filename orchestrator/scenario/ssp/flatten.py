@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ...errors import SceneError, printable
+from ...errors import ScenarioError, printable
 from .document import Component, Connection, System, Value
 
 Path = tuple[str, ...]
@@ -38,7 +38,7 @@ class Flat:
 
 
 def flattened(where: str, system: System) -> Flat:
-    """Resolve a system; `SceneError` where a connection leads nowhere or in a circle."""
+    """Resolve a system; `ScenarioError` where a connection leads nowhere or in a circle."""
     components = dict(_components(system, ()))
     feeding: dict[Node, tuple[Node, Connection]] = {}
     problems: list[str] = []
@@ -58,7 +58,7 @@ def flattened(where: str, system: System) -> Flat:
         if joint is not None:
             outputs.append(joint.source)
     if problems:
-        raise SceneError(f"{where}: {problem}" for problem in problems)
+        raise ScenarioError(f"{where}: {problem}" for problem in problems)
     return Flat(components, joints, dict(_values(system, components, where)), outputs)
 
 
@@ -128,7 +128,7 @@ def _values(
             if target is None:
                 if value.name in around.inputs:
                     continue
-                raise SceneError(
+                raise ScenarioError(
                     f"{where}: parameter {printable(value.name)!r} is of no component of"
                     f" {printable(around.name)!r}"
                 )

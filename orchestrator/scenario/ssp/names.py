@@ -14,8 +14,8 @@ NAMESPACES = {
 FMU = "application/x-fmu-sharedlibrary"
 PARAMETERS = "application/x-ssp-parameter-set"
 MAPPING = "application/x-ssp-parameter-mapping"
-ANNOTATION = "org.resilin.scene"
-"""Type of the annotation that holds what a scene says and SSP has no place for, as JSON."""
+ANNOTATION = "org.resilin.scenario"
+"""Type of the annotation that holds what a scenario says and SSP has no place for, as JSON."""
 
 REALS = ("Real", "Float64", "Float32")
 WHOLE = ("Integer", *(f"{u}Int{n}" for u in ("", "U") for n in (8, 16, 32, 64)))

@@ -1,4 +1,4 @@
-"""An SSP archive as the tree of a scene, its FMUs unpacked once for all runs."""
+"""An SSP archive as the tree of a scenario, its FMUs unpacked once for all runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from ...errors import FmuError, SceneError, nearest, printable
+from ...errors import FmuError, ScenarioError, nearest, printable
 from ...fmi.archive import STRUCTURE, entries, extract, read_entry
 from ...fmi.description import Interface, Variable, read_interface
 from ...fmi.safe_xml import guarded
@@ -24,22 +24,22 @@ from .flatten import Path as Names
 from .names import ANNOTATION, REALS, WHOLE
 
 KEYS = ("time", "master", "record", "metrics", "actions", "faults")
-"""Tables of a scene that our own annotation carries."""
+"""Tables of a scenario that our own annotation carries."""
 STOP = 1.0
 """End of a run that names none [s], the usual one of FMI's tools."""
 
 
 def read_ssp(path: Path, chosen: str = "") -> dict[str, Any]:
-    """Tree of a scene as its TOML file would have it.
+    """Tree of a scenario as its TOML file would have it.
 
     `chosen` names a variant (`NAME.ssd` at the top level) or a parameter set (`NAME.ssv` under
-    `resources`), which then overrides the parameters bound. Raises :class:`SceneError` with what of
-    the file cannot be taken over.
+    `resources`), which then overrides the parameters bound. Raises :class:`ScenarioError` with
+    what of the file cannot be taken over.
     """
     try:
         return _tree(path, chosen)
     except FmuError as error:
-        raise SceneError(str(error)) from None
+        raise ScenarioError(str(error)) from None
 
 
 def _tree(path: Path, chosen: str) -> dict[str, Any]:
@@ -60,10 +60,10 @@ def _tree(path: Path, chosen: str) -> dict[str, Any]:
         own = Reader(f"{path}: {extra}", fetch)
         _override(flat, list(own.parameters(fetch(extra))), f"{path}: {extra}")
         if own.problems:
-            raise SceneError(f"{own.where}: {problem}" for problem in own.problems)
+            raise ScenarioError(f"{own.where}: {problem}" for problem in own.problems)
     folder = _unpacked(path)
     files = {p: folder / _inside(where, c.source, names) for p, c in flat.components.items()}
-    return _scene(where, document, flat, files)
+    return _scenario(where, document, flat, files)
 
 
 def _choice(path: Path, names: list[str], chosen: str) -> tuple[str, str]:
@@ -75,7 +75,7 @@ def _choice(path: Path, names: list[str], chosen: str) -> tuple[str, str]:
     if f"resources/{chosen}.ssv" in names:
         return STRUCTURE, f"resources/{chosen}.ssv"
     known = [Path(n).stem for n in names if re.fullmatch(r"[^/]+\.ssd|resources/[^/]+\.ssv", n)]
-    raise SceneError(
+    raise ScenarioError(
         f"{path}: no variant or parameter set {printable(chosen)!r}; {nearest(chosen, known)}"
     )
 
@@ -86,7 +86,7 @@ def _inside(where: str, source: str, names: list[str]) -> str:
     name = unquote(parts.path)
     if parts.scheme or parts.netloc or name not in names:
         hint = nearest(name, names)
-        raise SceneError(f"{where}: source {printable(source)!r} is not in the archive; {hint}")
+        raise ScenarioError(f"{where}: source {printable(source)!r} is not in the archive; {hint}")
     return name
 
 
@@ -104,7 +104,7 @@ def _validate(where: str, root: Any) -> None:
     """Hold a description of version 1 against its schema; 2.0 has one that fmpy has not."""
     if (root.get("version") or "").startswith("1.") and not _schema().validate(root):
         fault = _schema().error_log[0]
-        raise SceneError(f"{where}: line {fault.line}: {printable(fault.message)}")
+        raise ScenarioError(f"{where}: line {fault.line}: {printable(fault.message)}")
 
 
 def _override(flat: Flat, values: list[Value], where: str) -> None:
@@ -119,7 +119,7 @@ def _override(flat: Flat, values: list[Value], where: str) -> None:
                 break
         else:
             known = [".".join(path) for path in flat.components]
-            raise SceneError(
+            raise ScenarioError(
                 f"{where}: parameter {printable(value.name)!r} is of no component;"
                 f" {nearest(parts[0], known)}"
             )
@@ -136,7 +136,7 @@ def _unpacked(path: Path) -> Path:
         root.mkdir(parents=True, exist_ok=True)
         waiting = Path(tempfile.mkdtemp(dir=root, prefix=f".{digest}"))
     except OSError as error:
-        raise SceneError(
+        raise ScenarioError(
             f"{path}: cannot be unpacked into {root} ({error.strerror}); set XDG_CACHE_HOME to a"
             " folder that is writable"
         ) from None
@@ -152,7 +152,9 @@ def _unpacked(path: Path) -> Path:
     return folder
 
 
-def _scene(where: str, document: Document, flat: Flat, files: dict[Names, Path]) -> dict[str, Any]:
+def _scenario(
+    where: str, document: Document, flat: Flat, files: dict[Names, Path]
+) -> dict[str, Any]:
     known = {file: read_interface(file) for file in dict.fromkeys(files.values())}
     interfaces = {path: known[file] for path, file in files.items()}
     titles = _identifiers(where, flat)
@@ -163,7 +165,7 @@ def _scene(where: str, document: Document, flat: Flat, files: dict[Names, Path])
         components[titles[path]] = {"fmu": str(file), "start": start}
     wires = [_wire(joint, titles, interfaces, problems) for joint in flat.joints]
     if problems:
-        raise SceneError(f"{where}: {problem}" for problem in dict.fromkeys(problems))
+        raise ScenarioError(f"{where}: {problem}" for problem in dict.fromkeys(problems))
     fed = {wire["to"] for wire in wires}
     hold = {}
     for path, interface in interfaces.items():
@@ -186,16 +188,16 @@ def _scene(where: str, document: Document, flat: Flat, files: dict[Names, Path])
 
 
 def _annotated(where: str, document: Document) -> dict[str, Any]:
-    """What a scene of ours has said beside SSP."""
+    """What a scenario of ours has said beside SSP."""
     text = document.annotations.get(ANNOTATION)
     if text is None:
         return {}
     try:
         said = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise SceneError(f"{where}: the annotation {ANNOTATION} is no JSON ({error})") from None
+        raise ScenarioError(f"{where}: the annotation {ANNOTATION} is no JSON ({error})") from None
     if not isinstance(said, dict):
-        raise SceneError(f"{where}: the annotation {ANNOTATION} is no table")
+        raise ScenarioError(f"{where}: the annotation {ANNOTATION} is no table")
     return {key: said[key] for key in KEYS if key in said}
 
 
@@ -206,7 +208,7 @@ def _identifiers(where: str, flat: Flat) -> dict[Names, str]:
         name = re.sub(r"\W", "_", "_".join(path), flags=re.ASCII)
         name = name if name.isidentifier() else f"_{name}"
         if name in made.values():
-            raise SceneError(f"{where}: two components would both be called {name}; rename one")
+            raise ScenarioError(f"{where}: two components would both be called {name}; rename one")
         made[path] = name
     return made
 

@@ -1,4 +1,4 @@
-"""A checked scene as an SSP archive: structure, parameters and FMUs, for other tools and back.
+"""A checked scenario as an SSP archive: structure, parameters and FMUs, for other tools and back.
 
 Connectors are what is wired, held, set or recorded; all the rest of an FMU keeps its start values,
 as it does here. What SSP has no place for (step, master, actions, faults, metrics) goes into an
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
-from ...errors import OutputError, SceneError
+from ...errors import OutputError, ScenarioError
 from ...fmi.archive import STRUCTURE
 from ...fmi.description import Variable
 from ..plan import Plan
@@ -76,7 +76,7 @@ def _by_itself(variable: Variable, value: float | str) -> bool:
 def write_ssp(package: Package, path: Path) -> list[str]:
     """Write the archive, whole or not at all; what other tools will not know, in words.
 
-    Raises :class:`SceneError` where a component has no FMU, :class:`OutputError` where the file
+    Raises :class:`ScenarioError` where a component has no FMU, :class:`OutputError` where the file
     cannot be written.
     """
     for prefix, namespace in {**NAMESPACES, "osp": OSP, "resilin": ANNOTATION}.items():
@@ -112,7 +112,7 @@ def _entry(name: str) -> zipfile.ZipInfo:
 
 
 def _untold(package: Package) -> Iterator[str]:
-    """What of a scene stays with us, or with few others."""
+    """What of a scenario stays with us, or with few others."""
     plan = package.plan
     kinds = {key: _variable(plan, key).kind for key in package.starts}
     if choices := sorted(key for key, kind in kinds.items() if kind == "Enumeration"):
@@ -139,7 +139,9 @@ def _sources(package: Package) -> dict[str, tuple[str, Path]]:
         if name in package.files:
             file = package.files[name]
         elif name in package.plan.recordings:
-            raise SceneError(f"{name}: is a recording, which SSP cannot hold; make it an FMU first")
+            raise ScenarioError(
+                f"{name}: is a recording, which SSP cannot hold; make it an FMU first"
+            )
         else:
             file = package.plan.interfaces[name].path
         entry = f"resources/{file.name}"
@@ -315,7 +317,7 @@ def _step(experiment: Element, plan: Plan) -> None:
 
 
 def _said(plan: Plan) -> Element:
-    """What a scene says beside its structure, as JSON."""
+    """What a scenario says beside its structure, as JSON."""
     scenario = plan.scenario
     tables = {
         "time": scenario.time,
@@ -331,6 +333,6 @@ def _said(plan: Plan) -> Element:
         said["time"]["step"] = plan.grid.step
     for name, items in (("actions", scenario.actions), ("faults", scenario.faults)):
         said[name] = [i.model_dump(mode="json", exclude_unset=True) for i in items]
-    element = Element(f"{{{ANNOTATION}}}scene")
+    element = Element(f"{{{ANNOTATION}}}scenario")
     element.text = json.dumps(said)
     return element

@@ -1,1 +1,1 @@
-"""Scenes as linear systems about a state, identified through their FMI interfaces."""
+"""Scenarios as linear systems about a state, identified through their FMI interfaces."""

@@ -1,4 +1,4 @@
-"""A scene at rest as a linear system, identified through its FMI interface.
+"""A scenario at rest as a linear system, identified through its FMI interface.
 
 Each input is nudged for one communication step, up and down; half the difference of the
 responses is the sequence of Markov parameters, free of even terms. The eigensystem
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...errors import InputError, SimulationError
 from ...scenario.plan import Plan
 from ..masters import Master, master
-from ..stepper import Walk
+from ..stepper import Stepper
 from ..system import System
 
 if TYPE_CHECKING:
@@ -91,10 +91,10 @@ def linearise(
     count: int = COUNT,
     order: int | None = None,
 ) -> Linear:
-    """Linear system of a scene about its state of rest, by its own master and step.
+    """Linear system of a scenario about its state of rest, by its own master and step.
 
     `inputs` are held inputs, all real ones otherwise; `outputs` recorded variables. Raises
-    `InputError` where a unit cannot roll back, where a name is not known, and where the scene
+    `InputError` where a unit cannot roll back, where a name is not known, and where the scenario
     does not come to rest.
     """
     unable = [name for name, known in plan.interfaces.items() if not known.rollback]
@@ -102,8 +102,8 @@ def linearise(
         raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
     with System(plan) as system:
         method = master(plan.scenario.master.kind)(system, plan.scenario.master)
-        walk = Walk(system, method)
-        time, _ = rest(system, walk)
+        stepper = Stepper(system, method)
+        time, _ = rest(system, stepper)
         held = _held(system, inputs)
         shown = _columns(system, outputs)
         sequence, direct = _markov(system, method, time, held, shown, count)
@@ -113,7 +113,7 @@ def linearise(
     return Linear(a, b, c, direct, plan.grid.step, list(held), names, settled)
 
 
-def rest(system: System, walk: Walk) -> tuple[float, Values]:
+def rest(system: System, stepper: Stepper) -> tuple[float, Values]:
     """Step until nothing changes any more; the time reached, and the largest values on the way."""
     grid = system.plan.grid
     kept = [k for k in range(len(system.names)) if system.variables[k].unit != "s"]
@@ -126,7 +126,7 @@ def rest(system: System, walk: Walk) -> tuple[float, Values]:
             if np.all(moved <= AT_REST * (largest[kept] + 1e-12)):
                 return time, largest
             begin, moved = system.values[kept].copy(), np.zeros(len(kept))
-        walk.to(time, grid.start + (k + 1) * grid.step, grid.step)
+        stepper.to(time, grid.start + (k + 1) * grid.step, grid.step)
         now = system.values[kept]
         np.maximum(largest, np.abs(system.values), out=largest)
         np.maximum(moved, np.abs(now - begin), out=moved)
@@ -142,10 +142,10 @@ def rest(system: System, walk: Walk) -> tuple[float, Values]:
 def _held(system: System, wanted: Sequence[str] | None) -> dict[str, tuple[Any, int]]:
     """Held real inputs by name: the member and the place in its buffer."""
     found = {
-        f"{member.unit.name}.{name}": (member, place)
-        for member in system.members
-        for name, place in member.held.items()
-        if member.unit.interface.variables[name].real
+        f"{coupled.instance.name}.{name}": (coupled, place)
+        for coupled in system.instances
+        for name, place in coupled.held.items()
+        if coupled.instance.interface.variables[name].real
     }
     if not found:
         raise InputError(f"{system.plan.path}: hold: no real input is held, none can be nudged")
@@ -179,21 +179,21 @@ def _markov(
     moment, memory = system.save(), method.remember()
     sequence = np.zeros((count, len(shown), len(held)))
     direct = np.zeros((len(shown), len(held)))
-    for column, (member, place) in enumerate(held.values()):
-        at = member.buffer[place]
+    for column, (coupled, place) in enumerate(held.values()):
+        at = coupled.buffer[place]
         size = NUDGE * max(abs(float(at)), 1.0)
         for sign in (1.0, -1.0):
             system.restore(moment)
             method.recall(memory)
-            member.buffer[place] = at + sign * size
-            member.follow()
+            coupled.buffer[place] = at + sign * size
+            coupled.follow()
             system.follow()
             direct[:, column] += sign * system.values[shown]
             for k in range(count):
                 method.advance(time + k * system.plan.grid.step, system.plan.grid.step)
                 if k == 0:
-                    member.buffer[place] = at
-                    member.follow()
+                    coupled.buffer[place] = at
+                    coupled.follow()
                     system.follow()
                 sequence[k, :, column] += sign * system.values[shown]
         sequence[:, :, column] /= 2.0 * size

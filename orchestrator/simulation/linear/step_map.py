@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...scenario.plan import Plan
-from ..coupled_instance import Member
+from ..coupled_instance import CoupledInstance
 from ..masters import master
-from ..stepper import Walk
+from ..stepper import Stepper
 from ..system import Moment, System
 from .state_space import NUDGE, plain, realise, rest
 
@@ -40,7 +40,7 @@ SLACK = 1e-6
 
 
 @dataclass(frozen=True)
-class UnitModel:
+class InstanceModel:
     """One unit: x+ = A x + B u, y = C x + D u, and its wiring u = W y of all units' outputs.
 
     Right after a step, before the clocks of its inputs have moved on, it is y = C x + E u.
@@ -70,11 +70,11 @@ class UnitModel:
 
 @dataclass(frozen=True)
 class StepMap:
-    """Units of a scene as linear systems at one communication step [s]."""
+    """Units of a scenario as linear systems at one communication step [s]."""
 
     plan: Plan
     step: float
-    models: list[UnitModel]
+    models: list[InstanceModel]
     outputs: list[str]
     followers: list[str]
 
@@ -102,7 +102,7 @@ class StepMap:
                 values[model.rows] = model.c @ states[i] + model.d @ (wires[i] @ values)
         return np.vstack([*states, values])
 
-    def _wires(self, model: UnitModel, cut: str | None) -> Values:
+    def _wires(self, model: InstanceModel, cut: str | None) -> Values:
         if cut is None or not cut.endswith(f" -> {model.name}"):
             return model.wires
         source = cut.removesuffix(f" -> {model.name}")
@@ -111,7 +111,7 @@ class StepMap:
         return left
 
     def interconnected(self) -> control.StateSpace:
-        """The units joined by the scene's wires in python-control; no input is left open.
+        """The units joined by the scenario's wires in python-control; no input is left open.
 
         Every unit takes what the others put out at the same communication point, as under
         Jacobi: its poles are those of :meth:`matrix` with "jacobi".
@@ -154,9 +154,9 @@ class StepMap:
 
 
 def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> StepMap:
-    """Linear units of a scene about its rest, at its own communication step or another.
+    """Linear units of a scenario about its rest, at its own communication step or another.
 
-    Raises `InputError` where a unit cannot roll back or the scene does not come to rest by its
+    Raises `InputError` where a unit cannot roll back or the scenario does not come to rest by its
     own master and step.
     """
     unable = [name for name, known in plan.interfaces.items() if not known.rollback]
@@ -165,25 +165,25 @@ def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> St
     size = step or plan.grid.step
     with System(plan) as system:
         method = master(plan.scenario.master.kind)(system, plan.scenario.master)
-        walk = Walk(system, method)
-        time, largest = rest(system, walk)
+        stepper = Stepper(system, method)
+        time, largest = rest(system, stepper)
         for _ in range(REFRESHED):
-            walk.to(time, time + size, size)
+            stepper.to(time, time + size, size)
             time += size
         moment = system.save()
         shown = [k for k in system.wired.tolist() if system.variables[k].unit != "s"]
         models = [
             _unit(system, moment, index, time, size, shown, largest, count)
-            for index in range(len(system.members))
+            for index in range(len(system.instances))
         ]
         system.forget(moment)
         names = [system.names[k] for k in shown]
-        followers = [member.unit.name for member in system.followers]
+        followers = [coupled.instance.name for coupled in system.followers]
     return StepMap(plan, size, models, names, followers)
 
 
 def quiet(plan: Plan) -> Plan:
-    """The same scene with its drive off: `amplitude` zero wherever a unit has a `frequency`."""
+    """The same scenario with its drive off: `amplitude` zero wherever a unit has a `frequency`."""
     starts = {name: dict(values) for name, values in plan.starts.items()}
     for name, known in plan.interfaces.items():
         parameters = {v.name for v in known.of("parameter")}
@@ -195,40 +195,40 @@ def quiet(plan: Plan) -> Plan:
 def _unit(
     system: System, moment: Moment, index: int, time: float, size: float,
     shown: list[int], largest: Values, count: int,
-) -> UnitModel:  # fmt: skip
+) -> InstanceModel:  # fmt: skip
     """Identify one unit alone: its other inputs stay as they are at rest.
 
     Members of laws that were zero all the way to rest carry nothing and are left alone.
     """
-    member = system.members[index]
+    coupled = system.instances[index]
     system.restore(moment)
-    member.gather()
-    still = member.buffer.copy()
-    own = [k for k in shown if member.stretch.start <= k < member.stretch.stop]
-    wired = range(len(member.inputs))
-    clocks = [k for k in wired if system.variables[member.sources[k]].unit == "s"]
-    ahead = np.array([member.sources[k] < member.stretch.start for k in clocks], dtype=float)
+    coupled.gather()
+    still = coupled.buffer.copy()
+    own = [k for k in shown if coupled.stretch.start <= k < coupled.stretch.stop]
+    wired = range(len(coupled.inputs))
+    clocks = [k for k in wired if system.variables[coupled.sources[k]].unit == "s"]
+    ahead = np.array([coupled.sources[k] < coupled.stretch.start for k in clocks], dtype=float)
     free = [k for k in wired if k not in clocks]
-    usual = np.maximum(np.abs(still[free]), largest[member.sources[free]])
-    values = np.array([system.variables[member.sources[k]].order == 0 for k in free], dtype=bool)
+    usual = np.maximum(np.abs(still[free]), largest[coupled.sources[free]])
+    values = np.array([system.variables[coupled.sources[k]].order == 0 for k in free], dtype=bool)
     usual = np.where((usual == 0.0) & values, UNKNOWN, usual)
-    probe = _Probe(system, moment, member, still, clocks, ahead, free, own, usual)
+    probe = _Probe(system, moment, coupled, still, clocks, ahead, free, own, usual)
     sequence, direct, after = probe.responses(time, size, count, NUDGE)
     again, _, _ = probe.responses(time, size, count, 0.5 * NUDGE)
     sequence, smallest = _sound(sequence, again)
     by = np.where(usual > 0.0, usual, 1.0)
     a, b, c = realise(sequence, smallest=smallest) if own and free else _none(len(own), len(free))
-    return UnitModel(
+    return InstanceModel(
         *(
-            member.unit.name,
-            [member.arriving[k].input.name for k in free],
+            coupled.instance.name,
+            [coupled.arriving[k].input.name for k in free],
             [system.names[k] for k in own],
             a,
             b / by,
             c,
             direct / by,
             after / by,
-            _wiring(system, member, free, shown),
+            _wiring(system, coupled, free, shown),
         ),
         np.array([shown.index(k) for k in own], dtype=np.intp),
     )
@@ -240,7 +240,7 @@ class _Probe:
 
     system: System
     moment: Moment
-    member: Member
+    coupled: CoupledInstance
     still: Values
     clocks: list[int]
     ahead: Values
@@ -255,7 +255,7 @@ class _Probe:
 
         By the usual size of each input; those that carry nothing have none.
         """
-        member, values = self.member, self.system.values
+        coupled, values = self.coupled, self.system.values
         shape = (len(self.own), len(self.free))
         sequence = np.zeros((count, *shape))
         direct, after = np.zeros(shape), np.zeros(shape)
@@ -265,22 +265,22 @@ class _Probe:
             for sign in (1.0, -1.0):
                 self.system.restore(self.moment)
                 for n in range(count):
-                    member.buffer[:] = self.still
-                    member.buffer[k] += sign * nudge * self.usual[column] if n == 0 else 0.0
+                    coupled.buffer[:] = self.still
+                    coupled.buffer[k] += sign * nudge * self.usual[column] if n == 0 else 0.0
                     if n == 0:
-                        member.unit.send()
-                        member.unit.receive()
+                        coupled.instance.send()
+                        coupled.instance.receive()
                         direct[:, column] += sign * values[self.own]
-                    member.buffer[self.clocks] += (n + self.ahead) * size
-                    member.unit.send()
-                    member.unit.step(time + n * size, size)
+                    coupled.buffer[self.clocks] += (n + self.ahead) * size
+                    coupled.instance.send()
+                    coupled.instance.step(time + n * size, size)
                     if n == 0:
-                        member.unit.receive()
+                        coupled.instance.receive()
                         after[:, column] += sign * values[self.own]
-                    member.buffer[:] = self.still
-                    member.buffer[self.clocks] += (n + 1) * size
-                    member.unit.send()
-                    member.unit.receive()
+                    coupled.buffer[:] = self.still
+                    coupled.buffer[self.clocks] += (n + 1) * size
+                    coupled.instance.send()
+                    coupled.instance.receive()
                     sequence[n, :, column] += sign * values[self.own]
         scale = 2.0 * nudge
         return sequence / scale, direct / scale, after / scale - sequence[0] / scale
@@ -303,22 +303,22 @@ def _none(rows: int, columns: int) -> tuple[Values, Values, Values]:
     return np.zeros((0, 0)), np.zeros((0, columns)), np.zeros((rows, 0))
 
 
-def _wiring(system: System, member: Member, free: list[int], shown: list[int]) -> Values:
+def _wiring(system: System, coupled: CoupledInstance, free: list[int], shown: list[int]) -> Values:
     """Which outputs, times which gain, each free input of a unit takes."""
     wires = np.zeros((len(free), len(shown)))
     gains = {
         (f"{c.source}.{c.output.name}"): c.gain
         for c in system.plan.connections
-        if c.target == member.unit.name
+        if c.target == coupled.instance.name
     }
     for row, k in enumerate(free):
-        source = int(member.sources[k])
+        source = int(coupled.sources[k])
         wires[row, shown.index(source)] = gains[system.names[source]]
     return wires
 
 
 def limit(plan: Plan, kind: str, low: float, high: float, *, within: float = 1e-3) -> float:
-    """Communication step [s] at which a master's map of a scene turns unstable, by bisection.
+    """Communication step [s] at which a master's map of a scenario turns unstable, by bisection.
 
     `low` has to be stable and `high` unstable; `InputError` says which is not.
     """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...errors import SceneError, nearest
+from ...errors import ScenarioError, nearest
 from .base import Master
 from .extrapolated import Extrapolated
 from .gauss_seidel import GaussSeidel
@@ -20,9 +20,9 @@ MASTERS: dict[str, type[Master]] = {
 
 
 def master(kind: str) -> type[Master]:
-    """Master by the name a scene gives it."""
+    """Master by the name a scenario gives it."""
     if kind not in MASTERS:
-        raise SceneError(f"master.kind: no master {kind!r}; {nearest(kind, MASTERS)}")
+        raise ScenarioError(f"master.kind: no master {kind!r}; {nearest(kind, MASTERS)}")
     return MASTERS[kind]
 
 

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...scenario.schema import Master as Settings
+from ...scenario.schema import MasterSettings
 from ..coupled_instance import Values
 
 DEPTH = 5
@@ -73,8 +73,8 @@ class Anderson:
         return following
 
 
-def acceleration(settings: Settings) -> Acceleration:
-    """The one that a scene asks for."""
+def acceleration(settings: MasterSettings) -> Acceleration:
+    """The one that a scenario asks for."""
     if settings.acceleration == "relaxed":
         return Relaxed(settings.relaxation)
     if settings.acceleration == "aitken":

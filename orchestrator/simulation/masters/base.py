@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
-from ...scenario.schema import Master as Settings
+from ...scenario.schema import MasterSettings
 from ..system import System
 
 
@@ -14,13 +14,13 @@ class Master(ABC):
 
     After `advance(time, size)` every value in `system.values` holds at `time + size`. A
     master that `needs_rollback` is refused at load where a unit cannot roll back; `options`
-    are the keys of a scene's [master] that mean something to it, beside kind, laws, order.
+    are the keys of a scenario's [master] that mean something to it, beside kind, laws, order.
     """
 
     needs_rollback: ClassVar[bool] = False
     options: ClassVar[tuple[str, ...]] = ()
 
-    def __init__(self, system: System, settings: Settings) -> None:
+    def __init__(self, system: System, settings: MasterSettings) -> None:
         self.system = system
         self.settings = settings
 

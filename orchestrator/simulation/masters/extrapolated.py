@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...scenario.schema import Master as Settings
-from ..coupled_instance import Member, Values
+from ...scenario.schema import MasterSettings
+from ..coupled_instance import CoupledInstance, Values
 from ..system import System
 from .base import Master
 from .extrapolation import Past, combined, mean_weights, point_weights
@@ -28,7 +28,7 @@ class Extrapolated(Master):
 
     options: ClassVar = ("degree",)
 
-    def __init__(self, system: System, settings: Settings) -> None:
+    def __init__(self, system: System, settings: MasterSettings) -> None:
         super().__init__(system, settings)
         self.degree = settings.degree
         self._past = Past(self.degree + 1)
@@ -42,29 +42,29 @@ class Extrapolated(Master):
         weights = mean_weights(known, time, end)
         before = combined(weights[1:], past.values[: len(known) - 1])
         stepped = np.zeros(len(system.values), dtype=bool)
-        for member in system.members:
-            if len(member.plain):
+        for coupled in system.instances:
+            if len(coupled.plain):
                 through = np.where(stepped, weights[0] * system.values + before, mean)
                 finish = np.where(stepped, system.values, last)
-                self._step(member, through, finish, time, size)
+                self._step(coupled, through, finish, time, size)
             else:
-                member.advance(time, size)
-            stepped[member.stretch] = True
+                coupled.advance(time, size)
+            stepped[coupled.stretch] = True
         system.follow()
 
     def _step(
-        self, member: Member, through: Values, finish: Values, time: float, size: float
+        self, coupled: CoupledInstance, through: Values, finish: Values, time: float, size: float
     ) -> None:
         """One unit: the mean for its step, the end for what follows its inputs."""
-        arriving = self.system.values[member.sources]
-        places = member.sources[member.plain]
-        arriving[member.plain] = through[places]
-        member.gather_from(arriving)
-        member.unit.step(time, size)
-        if member.direct:
-            arriving[member.plain] = finish[places]
-            member.gather_from(arriving)
-        member.unit.receive(0)
+        arriving = self.system.values[coupled.sources]
+        places = coupled.sources[coupled.plain]
+        arriving[coupled.plain] = through[places]
+        coupled.gather_from(arriving)
+        coupled.instance.step(time, size)
+        if coupled.direct:
+            arriving[coupled.plain] = finish[places]
+            coupled.gather_from(arriving)
+        coupled.instance.receive(0)
 
     def interrupt(self) -> None:
         self._past.forget()

@@ -19,6 +19,6 @@ class GaussSeidel(Master):
     """
 
     def advance(self, time: float, size: float) -> None:
-        for member in self.system.members:
-            member.advance(time, size)
+        for coupled in self.system.instances:
+            coupled.advance(time, size)
         self.system.follow()

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...errors import Divergence
-from ...scenario.schema import Master as Settings
+from ...scenario.schema import MasterSettings
 from ..coupled_instance import Indices, Values
 from ..system import Moment, System
 from .base import Master
@@ -31,9 +31,9 @@ class InterfaceNewton(Master):
     needs_rollback: ClassVar = True
     options: ClassVar = ("settled", "passes")
 
-    def __init__(self, system: System, settings: Settings) -> None:
+    def __init__(self, system: System, settings: MasterSettings) -> None:
         super().__init__(system, settings)
-        chosen = {int(k) for member in system.members for k in member.sources[member.plain]}
+        chosen = {int(k) for coupled in system.instances for k in coupled.sources[coupled.plain]}
         self._unknown: Indices = np.array(sorted(chosen), dtype=np.intp)
         self._scale = np.abs(system.values[system.wired])
         self._inverse: Values | None = None
@@ -96,22 +96,22 @@ class InterfaceNewton(Master):
         """G(guess): all units stepped from the start of the step, side by side."""
         system = self.system
         system.restore(moment)
-        for index in range(len(system.members)):
+        for index in range(len(system.instances)):
             self._step(index, begin, guess, time, size)
         return system.values.copy()
 
     def _step(self, index: int, begin: Values, guess: Values, time: float, size: float) -> None:
         """One unit, its inputs made from a guess of the end of the step."""
-        member = self.system.members[index]
-        arriving = guess[member.sources]
+        coupled = self.system.instances[index]
+        arriving = guess[coupled.sources]
         end = arriving.copy()
-        places = member.sources[member.plain]
-        arriving[member.plain] = 0.5 * (begin[places] + arriving[member.plain])
-        member.gather_from(arriving)
-        member.unit.step(time, size)
-        if member.direct:
-            member.gather_from(end)
-        member.unit.receive()
+        places = coupled.sources[coupled.plain]
+        arriving[coupled.plain] = 0.5 * (begin[places] + arriving[coupled.plain])
+        coupled.gather_from(arriving)
+        coupled.instance.step(time, size)
+        if coupled.direct:
+            coupled.gather_from(end)
+        coupled.instance.receive()
 
     def _jacobian(
         self, moment: Moment, begin: Values, guess: Values, answer: Values, time: float, size: float
@@ -125,9 +125,9 @@ class InterfaceNewton(Master):
             moved = guess.copy()
             moved[place] += nudge
             system.values[:] = answer
-            for index, member in enumerate(system.members):
-                if place in member.sources:
-                    member.unit.restore(moment.states[index])
+            for index, coupled in enumerate(system.instances):
+                if place in coupled.sources:
+                    coupled.instance.restore(moment.states[index])
                     self._step(index, begin, moved, time, size)
             slope[:, column] = (system.values - answer)[unknown] / nudge
         try:

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...errors import Divergence
-from ...scenario.schema import Master as Settings
+from ...scenario.schema import MasterSettings
 from ..coupled_instance import Values
 from ..system import System
 from .acceleration import acceleration
@@ -28,7 +28,7 @@ class Iterative(Master):
     needs_rollback: ClassVar = True
     options: ClassVar = ("acceleration", "relaxation", "settled", "passes")
 
-    def __init__(self, system: System, settings: Settings) -> None:
+    def __init__(self, system: System, settings: MasterSettings) -> None:
         super().__init__(system, settings)
         self._scale = np.abs(system.values[system.wired])
 
@@ -67,16 +67,16 @@ class Iterative(Master):
     def _pass(self, begin: Values, time: float, size: float) -> None:
         """One sequential step with what is known of its end."""
         system = self.system
-        for member in system.members:
-            if not len(member.plain):
-                member.advance(time, size)
+        for coupled in system.instances:
+            if not len(coupled.plain):
+                coupled.advance(time, size)
                 continue
-            arriving = system.values[member.sources]
-            places = member.sources[member.plain]
-            arriving[member.plain] = 0.5 * (begin[places] + arriving[member.plain])
-            member.gather_from(arriving)
-            member.unit.step(time, size)
-            if member.direct:
-                member.gather()
-            member.unit.receive(0)
+            arriving = system.values[coupled.sources]
+            places = coupled.sources[coupled.plain]
+            arriving[coupled.plain] = 0.5 * (begin[places] + arriving[coupled.plain])
+            coupled.gather_from(arriving)
+            coupled.instance.step(time, size)
+            if coupled.direct:
+                coupled.gather()
+            coupled.instance.receive(0)
         system.follow()

@@ -14,10 +14,10 @@ class Jacobi(Master):
     """
 
     def advance(self, time: float, size: float) -> None:
-        members = self.system.members
-        for member in members:
-            member.gather()
-        for member in members:
-            member.unit.step(time, size)
-            member.unit.receive(0)
+        instances = self.system.instances
+        for coupled in instances:
+            coupled.gather()
+        for coupled in instances:
+            coupled.instance.step(time, size)
+            coupled.instance.receive(0)
         self.system.follow()

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from ...errors import SceneError, nearest
+from ...errors import ScenarioError, nearest
 from ...recording.settings import Quantity, Text
 from ...scenario.files import read_toml
 
@@ -20,14 +20,14 @@ class _Table(BaseModel):
 
 
 class Parameter(_Table):
-    """A start value `component.parameter` of some scenes; `value` is what they carry.
+    """A start value `component.parameter` of some scenarios; `value` is what they carry.
 
-    A scene named in `times` carries so many times the value: two layers, twice the mass.
+    A scenario named in `times` carries so many times the value: two layers, twice the mass.
     """
 
     name: Text
     sets: Text
-    scenes: Annotated[list[Text], Field(min_length=1)]
+    scenarios: Annotated[list[Text], Field(min_length=1)]
     value: Quantity
     low: Quantity
     high: Quantity
@@ -35,8 +35,8 @@ class Parameter(_Table):
 
     @model_validator(mode="after")
     def _known(self) -> Self:
-        if strange := sorted(set(self.times) - set(self.scenes)):
-            raise ValueError(f"times: {', '.join(strange)} is not among the scenes")
+        if strange := sorted(set(self.times) - set(self.scenarios)):
+            raise ValueError(f"times: {', '.join(strange)} is not among the scenarios")
         return self
 
 
@@ -44,13 +44,13 @@ class Datum(_Table):
     """A number of the paper: a metric's peak over a parameter, in height or place, or its value.
 
     A datum that is `held_out` is not fitted but predicted. `set`, `stop` and `step` change the
-    scene; the paper's number is `share` times the metric, one half for an amplitude of a travel.
+    scenario; the paper's number is `share` times the metric, one half for an amplitude of a travel.
     `within` is how well it is known, relative: it counts by the inverse.
     """
 
     name: Text
     where: Text
-    scene: Text
+    scenario: Text
     metric: Text
     of: Literal["place", "height", "value"]
     value: Quantity
@@ -91,22 +91,22 @@ class _List(_Table):
 
 
 def shipped() -> Path:
-    """File of the fits behind the scenes that come with the package."""
+    """File of the fits behind the scenarios that come with the package."""
     return Path(str(resources.files("scenarios") / SHIPPED))
 
 
 def load_fits(path: Path, names: list[str] | None = None) -> list[Fit]:
-    """Fits of a file, or those that are named; `SceneError` with what is wrong."""
+    """Fits of a file, or those that are named; `ScenarioError` with what is wrong."""
     tree = read_toml(path)
     try:
         fits = _List.model_validate(tree).fits
     except ValidationError as error:
-        raise SceneError(
+        raise ScenarioError(
             f"{path}: {'.'.join(map(str, e['loc']))}: {e['msg']}"
             for e in error.errors(include_url=False)
         ) from None
     known = [fit.name for fit in fits]
     for name in names or []:
         if name not in known:
-            raise SceneError(f"{path}: no fit {name!r}; {nearest(name, known)}")
+            raise ScenarioError(f"{path}: no fit {name!r}; {nearest(name, known)}")
     return [fit for fit in fits if not names or fit.name in names]

@@ -1,4 +1,4 @@
-"""What the scenes say of each datum, for given values of the parameters."""
+"""What the scenarios say of each datum, for given values of the parameters."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ FINEST = 1.0 / 16.0
 
 
 class Model:
-    """Scenes of a fit as a function from its parameters to its data, all in SI.
+    """Scenarios of a fit as a function from its parameters to its data, all in SI.
 
-    A peak is looked for once for every scene and range, however many data are of it; `runs`
-    counts the runs of scenes.
+    A peak is looked for once for every scenario and range, however many data are of it; `runs`
+    counts the runs of scenarios.
     """
 
     def __init__(self, fit: Fit, library: Path = LIBRARY, interrupt: Interrupt | None = None):
@@ -37,19 +37,25 @@ class Model:
         self.runs = 0
         self._library = library
         self._interrupt = interrupt
-        self._plans = {d.scene: load(d.scene, None, library) for d in fit.data}
+        self._plans = {d.scenario: load(d.scenario, None, library) for d in fit.data}
         self.start = [self._si(parameter, parameter.value) for parameter in fit.parameters]
         self.low = [self._si(parameter, parameter.low) for parameter in fit.parameters]
         self.high = [self._si(parameter, parameter.high) for parameter in fit.parameters]
-        self.paper = [si_value(datum.value, _unit(self._plans[datum.scene], datum))
+        self.paper = [si_value(datum.value, _unit(self._plans[datum.scenario], datum))
                       for datum in fit.data]  # fmt: skip
 
     def values(self, parameters: Sequence[float]) -> list[float]:
-        """Each datum as the scenes have it; `SimulationError` where a run stops."""
+        """Each datum as the scenarios have it; `SimulationError` where a run stops."""
         known: dict[tuple[Any, ...], Peak] = {}
         found = []
         for datum in self.fit.data:
-            key = (datum.scene, datum.metric, datum.over, datum.between, tuple(datum.set.items()))
+            key = (
+                datum.scenario,
+                datum.metric,
+                datum.over,
+                datum.between,
+                tuple(datum.set.items()),
+            )
             if key not in known:
                 known[key] = self._peak(datum, parameters)
             peak = known[key]
@@ -57,21 +63,21 @@ class Model:
         return found
 
     def carried(self, parameter: Parameter) -> list[float]:
-        """The value [SI] that each scene of a parameter really has, its own times taken out."""
+        """The value [SI] that each scenario of a parameter really has, its own times taken out."""
         component, _, name = parameter.sets.partition(".")
         found = []
-        for scene in parameter.scenes:
-            plan = self._plans.get(scene) or load(scene, None, self._library)
+        for scenario in parameter.scenarios:
+            plan = self._plans.get(scenario) or load(scenario, None, self._library)
             known = plan.interfaces[component].variables[name]
             value = plan.starts[component].get(name, known.start)
-            found.append(float(value) / parameter.times.get(scene, 1.0))  # type: ignore[arg-type]
+            found.append(float(value) / parameter.times.get(scenario, 1.0))  # type: ignore[arg-type]
         return found
 
     def _si(self, parameter: Parameter, value: float | str) -> float:
         component, _, name = parameter.sets.partition(".")
-        plan = self._plans.get(parameter.scenes[0])
+        plan = self._plans.get(parameter.scenarios[0])
         if plan is None or component not in plan.interfaces:
-            raise InputError(f"{parameter.name}: no datum is of scene {parameter.scenes[0]}")
+            raise InputError(f"{parameter.name}: no datum is of scenario {parameter.scenarios[0]}")
         known = plan.interfaces[component].variables
         if name not in known:
             raise InputError(f"{parameter.name}: no parameter {name!r}; {nearest(name, known)}")
@@ -81,11 +87,11 @@ class Model:
             raise InputError(f"{parameter.name}: {error}") from None
 
     def _peak(self, datum: Datum, parameters: Sequence[float]) -> Peak:
-        """The metric as the scene stands, or its peak over a range, bisected beside it."""
+        """The metric as the scenario stands, or its peak over a range, bisected beside it."""
         changes: dict[str, Any] = dict(datum.set)
         for parameter, value in zip(self.fit.parameters, parameters, strict=True):
-            if datum.scene in parameter.scenes:
-                changes[parameter.sets] = value * parameter.times.get(datum.scene, 1.0)
+            if datum.scenario in parameter.scenarios:
+                changes[parameter.sets] = value * parameter.times.get(datum.scenario, 1.0)
         if datum.between is None:
             return Peak(0.0, self._metric(datum, changes))
         low, high = (si_value(end, "Hz") for end in datum.between)
@@ -105,14 +111,14 @@ class Model:
         """A metric of one run [SI]."""
         given = {"stop": datum.stop, "step": datum.step}
         time = {key: value for key, value in given.items() if value is not None}
-        plan = load(datum.scene, dict(changes), self._library, time=time)
+        plan = load(datum.scenario, dict(changes), self._library, time=time)
         done = run(plan, estimate=False, interrupt=self._interrupt)
         if done.failure is not None:
             raise done.failure
         self.runs += 1
         found = {m.name: m.value for m in metrics(dataset(done), plan.scenario.metrics.cycles)}
         if datum.metric not in found:
-            raise InputError(f"{datum.name}: {datum.scene} has no {datum.metric}")
+            raise InputError(f"{datum.name}: {datum.scenario} has no {datum.metric}")
         return found[datum.metric]
 
 

@@ -27,7 +27,7 @@ class Calibration:
 
     `shipped` and `fitted` are the parameters before and after (SI), `paper`, `before` and
     `after` the data; `sensitivity` is d ln datum / d ln parameter at the fitted values
-    (data, parameters), held-out data included. `runs` counts runs of scenes.
+    (data, parameters), held-out data included. `runs` counts runs of scenarios.
     """
 
     fit: Fit
@@ -89,7 +89,7 @@ def calibrate(
     """Fit by least squares on relative errors, each by how well its datum is known.
 
     Parameters move as logarithms within their bounds. Without `refit` they stay, and errors
-    and sensitivities are of the shipped values. Raises `SimulationError` where a scene stops
+    and sensitivities are of the shipped values. Raises `SimulationError` where a scenario stops
     or has no peak at the shipped values.
     """
     begun = perf_counter()

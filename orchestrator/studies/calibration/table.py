@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 
 def parameters(found: Calibration) -> Table:
-    """Each parameter: what the scenes carry, what the fit gives, how surely."""
+    """Each parameter: what the scenarios carry, what the fit gives, how surely."""
     from rich.table import Table
 
     made = Table(title=printable(found.fit.title or found.fit.name), title_justify="left")
-    for label in ("parameter", "in the scenes", "fitted (SI)", "moved", "for 1 % on all data"):
+    for label in ("parameter", "in the scenarios", "fitted (SI)", "moved", "for 1 % on all data"):
         made.add_column(label)
     for k, parameter in enumerate(found.fit.parameters):
         moved = found.fitted[k] / found.shipped[k] - 1.0

@@ -1,4 +1,4 @@
-"""The scene in which a recording drives parts, and what of it they are held against."""
+"""The scenario in which a recording drives parts, and what of it they are held against."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError, SceneError, nearest, printable
+from ...errors import InputError, ScenarioError, nearest, printable
 from ...fmi.description import Interface, Variable
 from ...recording.columns import EVERY
 from ...recording.recording import Recording, open_recording
 from ...scenario.component_options import component_of
 from ...scenario.parse import load_scenario
 from ...scenario.plan import LIBRARY, Plan, interface_of
-from ...scenario.schema import Component, Master, Record, Scenario, Time, Wire
+from ...scenario.schema import Component, MasterSettings, Record, Scenario, Time, Wire
 from ...simulation.load import planned
 
 RECORDED = "recording"
@@ -47,7 +47,7 @@ class Asked:
     """What is asked of a recording; see :func:`case_of`."""
 
     parts: Sequence[str]
-    scene: str | None = None
+    scenario: str | None = None
     keys: Mapping[str, str] | None = None
     hold: Mapping[str, float | str] | None = None
     outputs: Sequence[str] = ()
@@ -58,7 +58,7 @@ class Asked:
 def case_of(path: Path, asked: Asked, library: Path = LIBRARY) -> Case:
     """A recording that drives parts, and is compared with what they put out.
 
-    Without a scene there is one part, a built one or a path to an FMU, and columns are called as
+    Without a scenario there is one part, a built one or a path to an FMU, and columns are called as
     its variables. With one the parts are components of it, all others give way to the recording,
     and columns are called `component.variable`. `keys` are those of a recorded component, `hold`
     gives inputs that were not recorded, `changes` start values; `outputs` are patterns of the
@@ -68,12 +68,12 @@ def case_of(path: Path, asked: Asked, library: Path = LIBRARY) -> Case:
     Raises :class:`InputError` where parts, columns or inputs do not go together.
     """
     keys = dict(asked.keys or {})
-    if asked.scene is not None:
+    if asked.scenario is not None:
         keys.setdefault("component", EVERY)
     component = component_of(path, RECORDED, keys)
     recording = open_recording(component, path)
     points = _points(recording, asked.step)
-    if asked.scene is None:
+    if asked.scenario is None:
         scenario, place = _alone(asked, component, recording, library)
     else:
         scenario, place = _within(asked, component, recording)
@@ -107,7 +107,7 @@ def _alone(
 ) -> tuple[Scenario, Path]:
     """One part with its recorded inputs wired and the others held at what the FMU starts with."""
     if len(asked.parts) != 1:
-        raise InputError("--part: several parts need --scene, which says how they are wired")
+        raise InputError("--part: several parts need --scenario, which says how they are wired")
     name, place = _name(asked.parts[0]), Path("fit.toml").absolute()
     known = interface_of(asked.parts[0], place, library)
     columns = set(recording.interface.variables)
@@ -131,17 +131,17 @@ def _alone(
             RECORDED: component,
             name: Component(fmu=asked.parts[0], start=dict(asked.changes or {})),
         },
-        wires=wires, hold=hold, time=Time(frequency=recording.frequency), master=Master(),
+        wires=wires, hold=hold, time=Time(frequency=recording.frequency), master=MasterSettings(),
     ), place  # fmt: skip
 
 
 def _within(asked: Asked, component: Component, recording: Recording) -> tuple[Scenario, Path]:
-    """Parts of a scene, what the others feed them coming from the recording."""
-    scenario, place = load_scenario(str(asked.scene), dict(asked.changes or {}))
+    """Parts of a scenario, what the others feed them coming from the recording."""
+    scenario, place = load_scenario(str(asked.scenario), dict(asked.changes or {}))
     for part in asked.parts:
         if part not in scenario.components:
             raise InputError(
-                f"--part {printable(part)}: no component of {asked.scene};"
+                f"--part {printable(part)}: no component of {asked.scenario};"
                 f" {nearest(part, scenario.components)}"
             )
     kept = {part: scenario.components[part] for part in asked.parts}
@@ -164,11 +164,11 @@ def _within(asked: Asked, component: Component, recording: Recording) -> tuple[S
         else:
             problems.append(
                 f"{recording.interface.path}: has no column of {wire.source}, which feeds"
-                f" {wire.target} in {asked.scene}; {nearest(wire.source, {*columns, *ports})};"
+                f" {wire.target} in {asked.scenario}; {nearest(wire.source, {*columns, *ports})};"
                 f" record it, or --hold {wire.target}...=value"
             )
     if problems:
-        raise SceneError(problems)
+        raise ScenarioError(problems)
     return scenario.model_copy(
         update={
             "components": {RECORDED: component, **kept}, "wires": wires, "hold": hold,
@@ -183,7 +183,7 @@ def _pairs(
     path: Path, asked: Asked, scenario: Scenario, place: Path, recording: Recording, library: Path
 ) -> list[tuple[str, str]]:
     """Recorded columns that the parts put out too, those alone that are asked for."""
-    prefix = "" if asked.scene is not None else f"{_name(asked.parts[0])}."
+    prefix = "" if asked.scenario is not None else f"{_name(asked.parts[0])}."
     interfaces = {
         name: interface_of(component.fmu, place, library)
         for name, component in scenario.components.items()

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ...report.animation import Animation, Body, Kind, View
 from ...report.plot import Axis, Curve, Plot
-from .cached_runs import Lab
-from .comparison import Item
+from .cached_runs import CachedRuns
+from .comparison import Comparison
 from .figure4 import outline, points
 from .job import Answer, Job
 from .linkage_pose import joints, links
@@ -34,22 +34,22 @@ KEPT = (
 )  # fmt: skip
 
 
-def flight(lab: Lab) -> Item:
+def flight(cached_runs: CachedRuns) -> Comparison:
     """One run of `flapping-shapes`; its last cycle as frames."""
     frequency = float(number("figure11.full_wings_frequency").value)
     changes = {"amplifier.frequency": f"{frequency!r} Hz"}
     job = Job("flapping-shapes", changes, keep=KEPT, length=60, per_cycle=120, cycles=1)
-    (answer,) = lab.answers([job])
+    (answer,) = cached_runs.answers([job])
     if answer.status != "done":
-        return Item("animation", TITLE, (), (), (), [f"{job.scene}: {answer.reason}"])
+        return Comparison("animation", TITLE, (), (), (), [f"{job.scenario}: {answer.reason}"])
     words = (
-        "What the run of scene flapping-shapes recorded over its last cycle, to scale: cones, rod"
+        "The last cycle that the run of flapping-shapes recorded, to scale: cones, rod"
         " and links in section, wings from the front. The cones are the film's own equilibrium at"
         " the recorded voltages and displacement; fuller colour is higher voltage. The wing's"
         " chord is seen as far as feathering turns it into view; a positive angle is down. Which"
         " link is which, and how far the actuator sits below the linkage, are inferred.",
     )
-    return Item("animation", TITLE, words, (), extras=[_film(answer)])
+    return Comparison("animation", TITLE, words, (), extras=[_film(answer)])
 
 
 def _film(answer: Answer) -> Animation:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-from ..workers.pool import Crew, Lost
+from ..workers.pool import Failed, WorkerPool
 from .job import Answer, Job, answer_of, carry_out, identity, plan_of
-from .store import Store
+from .store import RunCache
 
 Task = tuple[Job, str, str]
 BEYOND = 4.0 / 3.0
@@ -29,7 +29,7 @@ class Measured:
     reason: str = ""
 
 
-class Lab:
+class CachedRuns:
     """Answers to jobs, from the store where they are known, else from workers.
 
     A context manager: workers start with the first job that is not known, and end with it.
@@ -39,14 +39,14 @@ class Lab:
     def __init__(
         self,
         library: Path,
-        store: Store,
+        store: RunCache,
         workers: int | None = None,
         check: Callable[[], None] | None = None,
         tell: Callable[[int, int], None] | None = None,
     ) -> None:
         self.library = library.absolute()
         self._store = store
-        self._crew: Crew[Task] = Crew(carry_out, workers)
+        self._crew: WorkerPool[Task] = WorkerPool(carry_out, workers)
         self._check = check or (lambda: None)
         self._tell = tell or (lambda done, asked: None)
         self._known: dict[str, Answer] = {}
@@ -76,7 +76,7 @@ class Lab:
         self._look_through(waiting)
         self._asked += len(waiting)
         for (_, _, key), content in self._crew.answers(waiting.values(), self._check):
-            if isinstance(content, Lost):
+            if isinstance(content, Failed):
                 self._known[key] = Answer("failed", content.reason)
             else:
                 self._store.write(key, content)
@@ -96,8 +96,8 @@ class Lab:
         return Measured(value, max(doubts, default=float("nan")), coarse.wall_time)
 
     def _look_through(self, waiting: dict[str, Task]) -> None:
-        """Check a plan of each scene here, where an error is one line for the user."""
+        """Check a plan of each scenario here, where an error is one line for the user."""
         for job, _, _ in waiting.values():
-            if job.scene not in self._checked:
+            if job.scenario not in self._checked:
                 plan_of(job, self.library)
-                self._checked.add(job.scene)
+                self._checked.add(job.scenario)

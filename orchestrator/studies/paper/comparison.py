@@ -28,7 +28,7 @@ class Row:
     ours: float | str
     reading: str = ""
     doubt: float = math.nan
-    scene: str = ""
+    scenario: str = ""
     wall_time: float = math.nan
     agrees: bool | None = None
     model: str = ""
@@ -70,13 +70,13 @@ class Row:
             "mark": self.mark.kind,
             "basis": self.mark.basis,
             "numerical_error": float(self.doubt) / scale,
-            "scene": self.scene,
+            "scenario": self.scenario,
             "wall_time": float(self.wall_time),
         }
 
 
 @dataclass(frozen=True)
-class Item:
+class Comparison:
     """What one figure or table comes to, or a section beyond the paper, which has no `rows`.
 
     `extras` come after the figures; `failures` are the runs that stopped, in words.
@@ -91,8 +91,8 @@ class Item:
     extras: Sequence[Table | Animation] = field(default_factory=tuple)
 
 
-def row(key: str, found: Measured, scene: str, reading: str = "", model: str = "") -> Row:
+def row(key: str, found: Measured, scenario: str, reading: str = "", model: str = "") -> Row:
     """A row of a measured value."""
     return Row(
-        key, float(found.value), reading, float(found.doubt), scene, found.wall_time, model=model
+        key, float(found.value), reading, float(found.doubt), scenario, found.wall_time, model=model
     )

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from ...report.plot import Axis, Curve, Figure, Plot
-from .cached_runs import Lab, Measured
-from .comparison import Item, Row
+from .cached_runs import CachedRuns, Measured
+from .comparison import Comparison, Row
 from .job import Job
 from .metrics import lift
 from .published_values import given, number
@@ -22,7 +22,7 @@ def mass(coefficient: float, stroke: float, frequency: float, length: float, rat
     return k * stroke**2 * frequency**2 * length**4 * coefficient / ratio
 
 
-def equation6(lab: Lab) -> Item:
+def equation6(cached_runs: CachedRuns) -> Comparison:
     """The equation with the paper's own numbers, and the lift that a run finds."""
     stroke = math.radians(float(number("figure11.full_wings_stroke").value))
     frequency = float(number("figure11.full_wings_frequency").value)
@@ -31,11 +31,11 @@ def equation6(lab: Lab) -> Item:
     rows = [
         Row("equation6.lift", mass(c, *wing), f"equation with C_L = {c:g}") for c in (low, high)
     ]
-    found, job = _simulated(lab)
+    found, job = _simulated(cached_runs)
     rows.append(
         Row(
             *("equation6.lift", found.value / GRAVITY, "mean lift of the run, quasi-steady"),
-            *(found.doubt / GRAVITY, job.scene, found.wall_time),
+            *(found.doubt / GRAVITY, job.scenario, found.wall_time),
         )
     )
     implied = 1e-6 * float(number("equation6.lift").value) / mass(1.0, *wing)
@@ -48,15 +48,17 @@ def equation6(lab: Lab) -> Item:
         "The run's lift is that of assumed quasi-steady coefficients with elastic feathering; it"
         " leaves out wake and rotation, and cannot reach coefficients above 1.7.",
     )
-    failures = [f"{job.scene}: {found.reason}"] if found.reason else []
-    return Item("equation6", "Equation 6: lift and hovering", words, rows, [_drawn()], failures)
+    failures = [f"{job.scenario}: {found.reason}"] if found.reason else []
+    return Comparison(
+        "equation6", "Equation 6: lift and hovering", words, rows, [_drawn()], failures
+    )
 
 
-def _simulated(lab: Lab) -> tuple[Measured, Job]:
+def _simulated(cached_runs: CachedRuns) -> tuple[Measured, Job]:
     frequency = float(number("figure11.full_wings_frequency").value)
     changes = {"amplifier.frequency": f"{frequency!r} Hz"}
     job = Job("flapping-full-wings", changes, length=60, per_cycle=100, cycles=5)
-    return lab.measured(job, lift), job
+    return cached_runs.measured(job, lift), job
 
 
 def _coefficient(key: str, implied: float) -> Row:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from ...report.plot import Axis, Curve, Figure, Plot
-from .cached_runs import Lab
-from .comparison import Item, Row, row
-from .frequency_sweep import Spectrum, Sweep, doubt, resolution, spectra
+from .cached_runs import CachedRuns
+from .comparison import Comparison, Row, row
+from .frequency_sweep import FrequencySweep, Sweep, doubt, frequency_sweeps, resolution
 from .metrics import stroke
 from .published_values import number
 
@@ -16,26 +16,30 @@ FREQUENCIES = (*map(float, range(1, 26)), *map(float, range(26, 41, 2)),
 CASES = {"no_wing": "no wings", "frames": "wing frames", "full_wings": "full wings"}
 
 
-def flights(lab: Lab) -> list[Spectrum]:
+def flights(cached_runs: CachedRuns) -> list[FrequencySweep]:
     """The three sweeps, refined about the largest stroke; two seconds to settle."""
     names = [f"flapping-{case.replace('_', '-')}" for case in CASES]
     sweeps = [Sweep(name, FREQUENCIES, settle=2.0, cycles=5) for name in names]
-    return spectra(lab, sweeps, stroke)
+    return frequency_sweeps(cached_runs, sweeps, stroke)
 
 
-def figure11(lab: Lab) -> Item:
+def figure11(cached_runs: CachedRuns) -> Comparison:
     """Places and heights of the three peaks."""
-    found = flights(lab)
+    found = flights(cached_runs)
     rows: list[Row] = []
-    for case, spectrum in zip(CASES, found, strict=True):
-        peak = spectrum.peak(stroke)
+    for case, frequency_sweep in zip(CASES, found, strict=True):
+        peak = frequency_sweep.peak(stroke)
         if peak is None:
             continue
-        scene, wide = spectrum.sweep.scene, resolution(spectrum, peak)
-        key, spent = f"figure11.{case}_frequency", spectrum.wall_time
+        scenario, wide = frequency_sweep.sweep.scenario, resolution(frequency_sweep, peak)
+        key, spent = f"figure11.{case}_frequency", frequency_sweep.wall_time
         rows += [
-            Row(key, peak.at, "", wide, scene, spent),
-            row(f"figure11.{case}_stroke", doubt(lab, spectrum, peak, stroke), scene),
+            Row(key, peak.at, "", wide, scenario, spent),
+            row(
+                f"figure11.{case}_stroke",
+                doubt(cached_runs, frequency_sweep, peak, stroke),
+                scenario,
+            ),
         ]
     words = (
         "Square waves of 1920 V half a cycle apart drive the eight-layer stack, here as a linear"
@@ -55,8 +59,8 @@ def figure11(lab: Lab) -> Item:
         *(Axis("flapping stroke (deg)", least=0.0), [*curves, paper]),
     )
     figure = Figure("figure11", "Stroke over frequency", "Peak to peak, settled.", [plot])
-    failures = [text for spectrum in found for text in spectrum.failures]
-    return Item("figure11", "Figure 11: flapping stroke", words, rows, [figure], failures)
+    failures = [text for frequency_sweep in found for text in frequency_sweep.failures]
+    return Comparison("figure11", "Figure 11: flapping stroke", words, rows, [figure], failures)
 
 
 def _stated(name: str) -> float:

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from ...report.plot import Axis, Curve, Figure, Plot
-from .cached_runs import Lab
-from .comparison import Item, Row
+from .cached_runs import CachedRuns
+from .comparison import Comparison, Row
 from .job import Answer, Job
 from .metrics import harmonics
 from .published_values import number
@@ -17,7 +17,7 @@ NEAR = 0.05
 """Harmonics of the fundamental that still count as approximately sinusoidal."""
 
 
-def figure13(lab: Lab) -> Item:
+def figure13(cached_runs: CachedRuns) -> Comparison:
     """Two settled cycles of the vehicle."""
     frequency = float(number("figure11.full_wings_frequency").value)
     names = ("linkage.displacement", "linkage.flap_angle", "linkage.transmission")
@@ -27,27 +27,28 @@ def figure13(lab: Lab) -> Item:
         record=(*names, "amplifier.top.voltage", "amplifier.bottom.voltage"),
         keep=names, length=60, per_cycle=100, cycles=2,
     )  # fmt: skip
-    (answer,) = lab.answers([job])
+    (answer,) = cached_runs.answers([job])
     title = "Figure 13: motion at 18 Hz and speed ratio"
     if answer.status != "done":
-        return Item("figure13", title, (), (), (), [f"{job.scene}: {answer.reason}"])
-    rows = [_sinusoidal(answer, frequency, job.scene), _ratio(answer, job.scene)]
+        return Comparison("figure13", title, (), (), (), [f"{job.scenario}: {answer.reason}"])
+    rows = [_sinusoidal(answer, frequency, job.scenario), _ratio(answer, job.scenario)]
     words = (
         "Speed ratio: travel of the slider over angle of the wing, dx/dphi. The paper infers the"
         " angle from the displacement by the same mechanism.",
     )
-    return Item("figure13", title, words, rows, _drawn(answer))
+    return Comparison("figure13", title, words, rows, _drawn(answer))
 
 
-def _sinusoidal(answer: Answer, frequency: float, scene: str) -> Row:
+def _sinusoidal(answer: Answer, frequency: float, scenario: str) -> Row:
     share = harmonics(answer.times, answer.series("displacement"), frequency)
     said = f"harmonics are {100 * share:.2g} % of the fundamental"
     return Row(
-        *("figure13.sinusoidal", said, "", math.nan, scene, answer.wall_time), agrees=share < NEAR
+        *("figure13.sinusoidal", said, "", math.nan, scenario, answer.wall_time),
+        agrees=share < NEAR,
     )
 
 
-def _ratio(answer: Answer, scene: str) -> Row:
+def _ratio(answer: Answer, scenario: str) -> Row:
     """Speed ratio at both reversals against the one on the way between them."""
     place, ratio = answer.series("displacement"), 1.0 / answer.series("transmission")
     low, high = ratio[int(np.argmin(place))], ratio[int(np.argmax(place))]
@@ -58,7 +59,7 @@ def _ratio(answer: Answer, scene: str) -> Row:
         " and the upper reversal"
     )
     return Row(
-        *("figure13.ratio", said, "", math.nan, scene, answer.wall_time),
+        *("figure13.ratio", said, "", math.nan, scenario, answer.wall_time),
         agrees=bool(max(low, high) < inside.min()),
     )
 

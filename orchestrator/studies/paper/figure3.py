@@ -7,16 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...report.plot import Axis, Curve, Figure, Plot
-from .cached_runs import Lab
-from .comparison import Item, Row, row
-from .frequency_sweep import Spectrum, Sweep, doubt, resolution, spectra
+from .cached_runs import CachedRuns
+from .comparison import Comparison, Row, row
+from .frequency_sweep import FrequencySweep, Sweep, doubt, frequency_sweeps, resolution
 from .metrics import amplitude, lag
 from .published_values import number
 
 SILICONE = (1.0, 2.0, 3.0, 5.0, 7.0, *map(float, range(9, 30, 2)), 32.0, 35.0, 40.0, 44.0,
             *map(float, range(46, 66, 2)), 70.0, 75.0, 80.0, 90.0, 100.0)  # fmt: skip
 VHB = (1.0, 2.0, *map(float, range(5, 50, 5)), 50.0, 52.0, 54.0, 60.0, 70.0, 80.0, 90.0, 100.0)
-HALF = "half-wave sine (the scene's)"
+HALF = "half-wave sine (the scenario's)"
 RAISED = "raised sine"
 LIGHT = "half-wave sine, mass of DEA 1, 0.603 g"
 FIRST = 35.0
@@ -29,10 +29,10 @@ class Reading:
 
     name: str
     model: str
-    found: Spectrum
+    found: FrequencySweep
 
 
-def figure3(lab: Lab) -> Item:
+def figure3(cached_runs: CachedRuns) -> Comparison:
     """Sweeps of both films, silicone in three readings of what the text leaves open."""
     sweeps = [
         Sweep("bench-silicone", SILICONE),
@@ -40,14 +40,14 @@ def figure3(lab: Lab) -> Item:
         Sweep("bench-silicone", SILICONE, {"payload.mass": "0.603 g"}),
         Sweep("bench-vhb", VHB),
     ]
-    *silicone, vhb = spectra(lab, sweeps, amplitude)
-    names = ((HALF, "scene"), (RAISED, ""), (LIGHT, ""))
+    *silicone, vhb = frequency_sweeps(cached_runs, sweeps, amplitude)
+    names = ((HALF, "scenario"), (RAISED, ""), (LIGHT, ""))
     readings = [Reading(*name, each) for name, each in zip(names, silicone, strict=True)]
     rows = [
-        *_low(lab, "figure3.low", readings, "bench-silicone"),
-        *_first(lab, readings),
-        *_main(lab, readings),
-        *_low(lab, "figure3.vhb_low", [Reading("", "", vhb)], "bench-vhb"),
+        *_low(cached_runs, "figure3.low", readings, "bench-silicone"),
+        *_first(cached_runs, readings),
+        *_main(cached_runs, readings),
+        *_low(cached_runs, "figure3.vhb_low", [Reading("", "", vhb)], "bench-vhb"),
         _falls(vhb),
         _quarter("figure3.vhb_quarter", Reading("", "", vhb), "bench-vhb"),
     ]
@@ -57,7 +57,7 @@ def figure3(lab: Lab) -> Item:
         " behind V_top^2 - V_bottom^2, of which the force is made.",
         "The text leaves open the waveform and the mass of the spacer. Two bipolar sines half a"
         " cycle apart would move nothing; of what moves something, the half-wave sine has a third"
-        " harmonic in V^2, which gives the first peak. The mass of the scene is that of 52 Hz by"
+        " harmonic in V^2, which gives the first peak. The mass of the scenario is that of 52 Hz by"
         " the paper's own formula; with that of DEA 1 the peak is at 62 Hz, since this cone is"
         " stiffer. So silicone stands here in three readings.",
         "The first peak stands at a third of the main one in every reading (see the section beyond"
@@ -65,24 +65,26 @@ def figure3(lab: Lab) -> Item:
         " which frequencies its sweep had is not told.",
     )
     failures = [text for each in (*silicone, vhb) for text in each.failures]
-    return Item(
+    return Comparison(
         *("figure3", "Figure 3: amplitude and phase of silicone and VHB", words, rows),
         *([_drawn(readings, vhb)], failures),
     )
 
 
-def _low(lab: Lab, key: str, readings: Sequence[Reading], scene: str) -> list[Row]:
+def _low(
+    cached_runs: CachedRuns, key: str, readings: Sequence[Reading], scenario: str
+) -> list[Row]:
     return [
         row(
             key,
-            lab.measured(reading.found.sweep.job(1.0), amplitude),
-            *(scene, reading.name, reading.model),
+            cached_runs.measured(reading.found.sweep.job(1.0), amplitude),
+            *(scenario, reading.name, reading.model),
         )
         for reading in readings
     ]
 
 
-def _first(lab: Lab, readings: Sequence[Reading]) -> list[Row]:
+def _first(cached_runs: CachedRuns, readings: Sequence[Reading]) -> list[Row]:
     """The largest peak below `FIRST`, where a reading has one."""
     rows: list[Row] = []
     for reading in readings:
@@ -94,12 +96,12 @@ def _first(lab: Lab, readings: Sequence[Reading]) -> list[Row]:
         wide = resolution(reading.found, top)
         spent = reading.found.wall_time
         place = Row("figure3.first_frequency", top.at, reading.name, wide, "bench-silicone", spent)
-        found = doubt(lab, reading.found, top, amplitude)
+        found = doubt(cached_runs, reading.found, top, amplitude)
         rows += [place, row("figure3.first_amplitude", found, "bench-silicone", reading.name)]
     return rows
 
 
-def _main(lab: Lab, readings: Sequence[Reading]) -> list[Row]:
+def _main(cached_runs: CachedRuns, readings: Sequence[Reading]) -> list[Row]:
     """Place and height of the main peak, and where the displacement is a quarter behind."""
     rows: list[Row] = []
     for reading in readings:
@@ -108,7 +110,7 @@ def _main(lab: Lab, readings: Sequence[Reading]) -> list[Row]:
         if peak is not None:
             wide, spent = resolution(found, peak), found.wall_time
             place = ("figure3.main_frequency", peak.at, reading.name, wide, "bench-silicone", spent)
-            height = doubt(lab, found, peak, amplitude)
+            height = doubt(cached_runs, found, peak, amplitude)
             told = ("bench-silicone", reading.name, reading.model)
             rows += [
                 Row(*place, model=reading.model),
@@ -118,12 +120,12 @@ def _main(lab: Lab, readings: Sequence[Reading]) -> list[Row]:
     return rows
 
 
-def _quarter(key: str, reading: Reading, scene: str) -> Row:
+def _quarter(key: str, reading: Reading, scenario: str) -> Row:
     found = reading.found.crossing(lag, 0.5 * math.pi)
-    return row(key, found, scene, reading.name, reading.model)
+    return row(key, found, scenario, reading.name, reading.model)
 
 
-def _falls(vhb: Spectrum) -> Row:
+def _falls(vhb: FrequencySweep) -> Row:
     tops = vhb.maxima(amplitude)
     said = ", ".join(f"{1e3 * top.value:.2f} mm at {top.at:.0f} Hz" for top in tops) or "none"
     return Row(
@@ -131,7 +133,7 @@ def _falls(vhb: Spectrum) -> Row:
     )
 
 
-def _drawn(readings: Sequence[Reading], vhb: Spectrum) -> Figure:
+def _drawn(readings: Sequence[Reading], vhb: FrequencySweep) -> Figure:
     told = [*((f"silicone, {r.name}", r.found) for r in readings), ("VHB", vhb)]
     sizes = [
         Curve(name, s.frequencies, [1e3 * v for v in s.values(amplitude)], "line-points")

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 
 from ...report.plot import Axis, Curve, Figure, Plot
-from .cached_runs import Lab
+from .cached_runs import CachedRuns
 from .job import Answer, Job
 from .published_values import given
 
@@ -17,8 +17,8 @@ POINTS = 6
 NODES = 0.5 * (1.0 - np.cos(np.pi * np.arange(POINTS + 2) / (POINTS + 1)))
 """Both rims and the points between, in s = ln(R/a)/ln(b/a): see the README of `profile`."""
 
-SCENE, SPACER = "shape-test", 30e-3
-"""The scene of the rail, and the height of its spacer [m]: a cone is half of it high at rest."""
+SCENARIO, SPACER = "shape-test", 30e-3
+"""The scenario of the rail, and the height of its spacer [m]: a cone is half of it high at rest."""
 
 HEIGHTS = (8, 12, 16, 20)
 """Heights of the top cone that are shown [mm]."""
@@ -49,10 +49,10 @@ def points(answer: Answer, cone: str, k: int) -> tuple[Values, Values]:
     return radii, axial
 
 
-def figure4(lab: Lab) -> tuple[Figure, list[str]]:
+def figure4(cached_runs: CachedRuns) -> tuple[Figure, list[str]]:
     """Meridians of the top cone at four heights, passive and active; and what stopped."""
     jobs = [_job({}), _job({"profile.top.voltage": ACTIVE})]
-    answers = lab.answers(jobs)
+    answers = cached_runs.answers(jobs)
     across, up = Axis("radius (mm)"), Axis("axial position (mm)", least=0.0, most=21.0)
     plots = [
         Plot(title, across, up, _meridians(answer))
@@ -62,11 +62,11 @@ def figure4(lab: Lab) -> tuple[Figure, list[str]]:
     figure = Figure(
         "figure4",
         "Shape of a cone",
-        "Meridians r(R), z(R) of the top cone at four heights; scene shape-test. Passive it is"
+        "Meridians r(R), z(R) of the top cone at four heights; scenario shape-test. Passive it is"
         " hollow; the voltage stretches the film where both rims hold it, so that it fills out.",
         plots,
     )
-    return figure, [f"{SCENE}: {a.reason}" for a in answers if a.status != "done"]
+    return figure, [f"{SCENARIO}: {a.reason}" for a in answers if a.status != "done"]
 
 
 def _meridians(answer: Answer) -> list[Curve]:
@@ -83,4 +83,4 @@ def _meridians(answer: Answer) -> list[Curve]:
 
 def _job(hold: dict[str, str]) -> Job:
     keep = ("rig.displacement", "profile.top_shape.*")
-    return Job(SCENE, hold=hold, keep=keep, step=0.02, cycles=0)
+    return Job(SCENARIO, hold=hold, keep=keep, step=0.02, cycles=0)

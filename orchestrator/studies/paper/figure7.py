@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...report.plot import Axis, Curve, Figure, Plot, Style
-from .cached_runs import Lab
-from .comparison import Item, Row, row
+from .cached_runs import CachedRuns
+from .comparison import Comparison, Row, row
 from .figure4 import figure4
 from .job import Answer, Job
 
@@ -19,13 +19,18 @@ LINEAR = 0.03
 """Distance from a straight line, of the largest force, that still counts as near to it."""
 
 
-def figure7(lab: Lab) -> Item:
+def figure7(cached_runs: CachedRuns) -> Comparison:
     """Six pull tests; stiffness and straightness of the passive ones."""
     passive = [_job(spacer) for spacer in SPACERS]
     active = [_job(spacer, ACTIVE) for spacer in SPACERS]
-    answers = lab.answers([*passive, *active])
+    answers = cached_runs.answers([*passive, *active])
     rows = [
-        row("figure7.stiffness", lab.measured(job, _stiffness), job.scene, f"L = {spacer} mm")
+        row(
+            "figure7.stiffness",
+            cached_runs.measured(job, _stiffness),
+            job.scenario,
+            f"L = {spacer} mm",
+        )
         for spacer, job in zip(SPACERS, passive, strict=True)
     ]
     rows += [_straight(spacer, answer) for spacer, answer in zip(SPACERS, answers, strict=False)]
@@ -47,13 +52,13 @@ def figure7(lab: Lab) -> Item:
     )
     jobs = [*passive, *active]
     failures = [
-        f"{job.scene}{' at ' + ACTIVE if job.hold else ''}: {answer.reason}"
+        f"{job.scenario}{' at ' + ACTIVE if job.hold else ''}: {answer.reason}"
         for job, answer in zip(jobs, answers, strict=True)
         if answer.status != "done"
     ]
-    shapes, stopped = figure4(lab)
+    shapes, stopped = figure4(cached_runs)
     title = "Figure 7: quasi-static force; figure 4: shapes"
-    return Item("figure7", title, words, rows, [figure, shapes], [*failures, *stopped])
+    return Comparison("figure7", title, words, rows, [figure, shapes], [*failures, *stopped])
 
 
 def _job(spacer: int, voltage: str = "") -> Job:
@@ -75,12 +80,12 @@ def _stiffness(answer: Answer) -> float:
 
 
 def _straight(spacer: int, answer: Answer) -> Row:
-    reading, scene = f"L = {spacer} mm", f"pull-test-L{spacer}"
+    reading, scenario = f"L = {spacer} mm", f"pull-test-L{spacer}"
     if answer.status != "done":
-        return Row("figure7.linear", "stopped", reading, scene=scene, agrees=False)
+        return Row("figure7.linear", "stopped", reading, scenario=scenario, agrees=False)
     off = _fit(answer)[1]
     return Row(
-        *("figure7.linear", f"within {100 * off:.2g} % of a line", reading, math.nan, scene),
+        *("figure7.linear", f"within {100 * off:.2g} % of a line", reading, math.nan, scenario),
         *(answer.wall_time, off <= LINEAR),
     )
 

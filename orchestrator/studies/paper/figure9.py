@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...report.plot import Axis, Curve, Figure, Plot
-from .cached_runs import Lab
-from .comparison import Item, row
+from .cached_runs import CachedRuns
+from .comparison import Comparison, row
 from .job import Answer
 from .layer_sweeps import LAYERS, stacks
 from .metrics import fourier, power
@@ -17,23 +17,23 @@ from .published_values import given, number
 from .sensitivity import sensitivities, told
 
 
-def figure9(lab: Lab) -> Item:
+def figure9(cached_runs: CachedRuns) -> Comparison:
     """Three cycles at the peak of figure 8's first curve."""
-    spectrum = stacks(lab)[0]
-    peak = spectrum.peak(power)
+    frequency_sweep = stacks(cached_runs)[0]
+    peak = frequency_sweep.peak(power)
     title = "Figure 9: energies at resonance"
     if peak is None:
-        return Item("figure9", title, (), (), (), spectrum.failures)
-    frequency = spectrum.nearest(peak.at)
+        return Comparison("figure9", title, (), (), (), frequency_sweep.failures)
+    frequency = frequency_sweep.nearest(peak.at)
     kept = ("payload.displacement", "payload.kinetic_energy", "spring.elastic_energy")
-    job = replace(spectrum.sweep.job(frequency), keep=kept, per_cycle=120)
+    job = replace(frequency_sweep.sweep.job(frequency), keep=kept, per_cycle=120)
 
     def phase(answer: Answer) -> float:
         return _phase(answer, frequency)
 
     rows = [
-        row("figure9.stroke", lab.measured(job, _stroke), job.scene),
-        row("figure9.phase", lab.measured(job, phase), job.scene),
+        row("figure9.stroke", cached_runs.measured(job, _stroke), job.scenario),
+        row("figure9.phase", cached_runs.measured(job, phase), job.scenario),
     ]
     words: tuple[str, ...] = (
         f"{LAYERS[0]} layers per cone, 1 g, at the frequency of largest power, {frequency:g} Hz."
@@ -41,8 +41,8 @@ def figure9(lab: Lab) -> Item:
         "Both energies go round twice in a cycle of the motion. Ninety degrees of the motion, as"
         " the paper says it, are half a turn of theirs: one is largest where the other is least.",
     )
-    (answer,) = lab.answers([job])
-    (slopes,) = sensitivities(lab, [job], _stroke)
+    (answer,) = cached_runs.answers([job])
+    (slopes,) = sensitivities(cached_runs, [job], _stroke)
     ours, theirs = float(rows[0].ours), float(number("figure9.stroke").value) / 100.0
     much = (theirs / ours) ** (1.0 / slopes["permittivity"]) - 1.0
     words += (
@@ -50,7 +50,7 @@ def figure9(lab: Lab) -> Item:
         f" take {100 * much:+.0f} % of permittivity, or as much less loss, against which table 1"
         " and figure 3 speak: nothing here is fitted to this figure.",
     )
-    return Item("figure9", title, words, rows, [_drawn(answer)], spectrum.failures)
+    return Comparison("figure9", title, words, rows, [_drawn(answer)], frequency_sweep.failures)
 
 
 def _stroke(answer: Answer) -> float:

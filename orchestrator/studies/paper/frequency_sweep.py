@@ -1,4 +1,4 @@
-"""A scene over the frequency of its drive: amplitude, phase, or whatever a run shows."""
+"""A scenario over the frequency of its drive: amplitude, phase, or whatever a run shows."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..sweep.peak import FINEST, Peak, middles, peak_of, spacing
-from .cached_runs import Lab, Measured
+from .cached_runs import CachedRuns, Measured
 from .job import Answer, Job
 
 STEPS_PER_SECOND = 1500
@@ -21,9 +21,9 @@ Measure = Callable[[Answer], float]
 
 @dataclass(frozen=True)
 class Sweep:
-    """How a scene is swept. `settle` [s] comes before the `cycles` that are looked at."""
+    """How a scenario is swept. `settle` [s] comes before the `cycles` that are looked at."""
 
-    scene: str
+    scenario: str
     frequencies: Sequence[float]
     changes: Mapping[str, str] = field(default_factory=dict)
     keep: tuple[str, ...] = ()
@@ -35,7 +35,7 @@ class Sweep:
     def job(self, frequency: float) -> Job:
         """The run at one frequency."""
         return Job(
-            self.scene,
+            self.scenario,
             {**self.changes, "amplifier.frequency": f"{frequency!r} Hz"},
             keep=self.keep,
             record=self.record,
@@ -46,7 +46,7 @@ class Sweep:
 
 
 @dataclass(frozen=True)
-class Spectrum:
+class FrequencySweep:
     """Answers of a sweep by frequency, those between the given ones where a peak was looked for."""
 
     sweep: Sweep
@@ -110,15 +110,15 @@ class Spectrum:
     def failures(self) -> list[str]:
         """What stopped runs say."""
         return [
-            f"{self.sweep.scene} at {f:g} Hz: {self.answers[f].reason}"
+            f"{self.sweep.scenario} at {f:g} Hz: {self.answers[f].reason}"
             for f in self.frequencies
             if self.answers[f].status != "done"
         ]
 
 
-def spectra(
-    lab: Lab, sweeps: Sequence[Sweep], measure: Measure, *, refine: bool = True
-) -> list[Spectrum]:
+def frequency_sweeps(
+    cached_runs: CachedRuns, sweeps: Sequence[Sweep], measure: Measure, *, refine: bool = True
+) -> list[FrequencySweep]:
     """All sweeps together, so that no worker waits; the gaps beside each largest value bisected.
 
     Down to an eighth of the gap there was, or until the parabola through the top stands still.
@@ -129,7 +129,7 @@ def spectra(
     before: list[Peak | None] = [None] * len(sweeps)
     while any(wanted):
         jobs = [(k, f) for k, more in enumerate(wanted) for f in more]
-        answers = lab.answers([sweeps[k].job(f) for k, f in jobs])
+        answers = cached_runs.answers([sweeps[k].job(f) for k, f in jobs])
         for (k, f), answer in zip(jobs, answers, strict=True):
             found[k][f] = answer
         if not refine:
@@ -143,18 +143,22 @@ def spectra(
             settled = peak is None or (last is not None and peak.like(last, finest[k]))
             wanted[k] = [] if settled else middles(each, finest[k])
             before[k] = peak
-    return [Spectrum(sweep, each) for sweep, each in zip(sweeps, found, strict=True)]
+    return [FrequencySweep(sweep, each) for sweep, each in zip(sweeps, found, strict=True)]
 
 
-def doubt(lab: Lab, spectrum: Spectrum, peak: Peak, measure: Measure) -> Measured:
+def doubt(
+    cached_runs: CachedRuns, frequency_sweep: FrequencySweep, peak: Peak, measure: Measure
+) -> Measured:
     """The top's value with its numerical error: the half step at the frequency nearest to it."""
-    told = lab.measured(spectrum.sweep.job(spectrum.nearest(peak.at)), measure)
-    return Measured(peak.value, told.doubt, spectrum.wall_time)
+    told = cached_runs.measured(
+        frequency_sweep.sweep.job(frequency_sweep.nearest(peak.at)), measure
+    )
+    return Measured(peak.value, told.doubt, frequency_sweep.wall_time)
 
 
-def resolution(spectrum: Spectrum, peak: Peak) -> float:
+def resolution(frequency_sweep: FrequencySweep, peak: Peak) -> float:
     """Half the widest gap between frequencies beside a top [Hz]: how well its place is known."""
-    places = np.asarray(spectrum.frequencies)
+    places = np.asarray(frequency_sweep.frequencies)
     k = int(np.clip(np.searchsorted(places, peak.at), 1, len(places) - 1))
     return 0.5 * float(places[k] - places[k - 1])
 

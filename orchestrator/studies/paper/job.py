@@ -27,14 +27,14 @@ DIGITS = 9
 
 @dataclass(frozen=True)
 class Job:
-    """A scene with changed start values and keys, run and looked at over its last `cycles`.
+    """A scenario with changed start values and keys, run and looked at over its last `cycles`.
 
     `keep` are patterns of the recorded variables whose series come back; `cycles` 0 looks at the
     whole run. `per_cycle` is the number of steps in a cycle, `step` [s] takes
-    its place in a scene without cycles; None where the scene's own is meant.
+    its place in a scenario without cycles; None where the scenario's own is meant.
     """
 
-    scene: str
+    scenario: str
     changes: Mapping[str, str] = field(default_factory=dict)
     hold: Mapping[str, str] = field(default_factory=dict)
     record: tuple[str, ...] = ()
@@ -45,13 +45,13 @@ class Job:
     cycles: int = 3
 
     def halved(self) -> Job | None:
-        """The same at half the communication step; None where the job leaves that to the scene."""
+        """The same at half the communication step; None where the scenario has to say it."""
         if self.per_cycle is not None:
             return replace(self, per_cycle=2 * self.per_cycle)
         return replace(self, step=0.5 * self.step) if self.step is not None else None
 
     def options(self) -> dict[str, Any]:
-        """What the job overrides in its scene."""
+        """What the job overrides in its scenario."""
         time: dict[str, Any] = {}
         if self.length is not None:
             time["stop"] = f"{self.length} cycles"
@@ -84,13 +84,13 @@ class Answer:
 
 
 def identity(job: Job, library: Path) -> str:
-    """Digest of the resolved scene, the FMU files, Resilin's version and what is looked at.
+    """Digest of the resolved scenario, the FMU files, Resilin's version and what is looked at.
 
     The same conditions as those of a sweep's point, from the files alone: no FMU is opened.
     """
     from ...scenario.parse import load_scenario
 
-    scenario, path = load_scenario(job.scene, dict(job.changes), **job.options())
+    scenario, path = load_scenario(job.scenario, dict(job.changes), **job.options())
     files = {
         name: _file(
             fmu_path(component.fmu, path, library)
@@ -126,14 +126,14 @@ def carry_out(task: tuple[Job, str, str]) -> dict[str, Any]:
 
 
 def plan_of(job: Job, library: Path) -> Plan:
-    """The checked plan of a job; `SceneError` with all that is wrong with it."""
+    """The checked plan of a job; `ScenarioError` with all that is wrong with it."""
     from ...simulation.load import load
 
-    return load(job.scene, dict(job.changes), library, **job.options())
+    return load(job.scenario, dict(job.changes), library, **job.options())
 
 
 def start_of(plan: Plan, key: str) -> float:
-    """Start value [SI] of a scene's `component.parameter`: the scene's own, or the FMU's."""
+    """Start value [SI] of a scenario's `component.parameter`: the scenario's own, or the FMU's."""
     component, _, name = key.partition(".")
     known = plan.starts[component].get(name, plan.interfaces[component].variables[name].start)
     return float(known)  # type: ignore[arg-type]

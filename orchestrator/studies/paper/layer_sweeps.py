@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .cached_runs import Lab
-from .frequency_sweep import Spectrum, Sweep, spectra
+from .cached_runs import CachedRuns
+from .frequency_sweep import FrequencySweep, Sweep, frequency_sweeps
 from .job import Answer, plan_of
 from .metrics import power
 
@@ -35,13 +35,17 @@ def once(answer: Answer) -> float:
     return READINGS[0][1] * power(answer)
 
 
-def payload_share(lab: Lab, spectrum: Spectrum) -> float:
+def payload_share(cached_runs: CachedRuns, frequency_sweep: FrequencySweep) -> float:
     """What of the moving mass is the payload, whose power the paper means."""
-    start = plan_of(spectrum.sweep.job(spectrum.frequencies[0]), lab.library).starts["payload"]
+    start = plan_of(
+        frequency_sweep.sweep.job(frequency_sweep.frequencies[0]), cached_runs.library
+    ).starts["payload"]
     mass, film = (float(start.get(key, 0.0)) for key in ("mass", "film_mass"))
     return mass / (mass + film)
 
 
-def stacks(lab: Lab) -> list[Spectrum]:
+def stacks(cached_runs: CachedRuns) -> list[FrequencySweep]:
     """Sweeps of all four, refined about the largest power."""
-    return spectra(lab, [Sweep(f"power-{n}", FREQUENCIES, keep=KEPT) for n in LAYERS], power)
+    return frequency_sweeps(
+        cached_runs, [Sweep(f"power-{n}", FREQUENCIES, keep=KEPT) for n in LAYERS], power
+    )

@@ -12,7 +12,7 @@ from typing import Any
 from ...report.page import Notes, Page, Part, Section, Words
 from ...report.plot import Figure
 from ...report.table import Cell, Column, Table, Tone, quantity
-from .comparison import Item, Row
+from .comparison import Comparison, Row
 from .published_values import MarkKind
 from .reproduction import Reproduction
 
@@ -148,7 +148,7 @@ def _all_rows(found: Reproduction) -> Iterator[Part]:
     yield Table("All numbers; press a heading to sort", columns, rows)
 
 
-def _parts(item: Item) -> Iterator[Part]:
+def _parts(item: Comparison) -> Iterator[Part]:
     yield Words(item.words)
     yield from item.figures
     yield from item.extras
@@ -159,7 +159,7 @@ def _parts(item: Item) -> Iterator[Part]:
     columns = [
         Column("Quantity"), Column("Paper", number=True), Column("Ours", number=True),
         Column("Error", number=True), Column("Numerical error", number=True), Column("Mark"),
-        Column("Scene"), Column("Run time", number=True),
+        Column("Scenario"), Column("Run time", number=True),
     ]  # fmt: skip
     rows = [
         [
@@ -167,8 +167,8 @@ def _parts(item: Item) -> Iterator[Part]:
             *_values(row),
             _doubt(row),
             _mark(row, row.mark.basis),
-            Cell(row.scene or "-"),
-            quantity(row.wall_time, f"{row.wall_time:.2f} s") if row.scene and
+            Cell(row.scenario or "-"),
+            quantity(row.wall_time, f"{row.wall_time:.2f} s") if row.scenario and
             math.isfinite(row.wall_time) else Cell("-"),
         ]
         for row in item.rows
@@ -182,7 +182,7 @@ def _told(row: Row) -> str:
     return "; ".join(text for text in (row.reading, f"paper: {row.number.where}") if text)
 
 
-def _item(item: Item) -> Cell:
+def _item(item: Comparison) -> Cell:
     return Cell(item.title.partition(":")[0], link=item.key)
 
 

@@ -12,8 +12,8 @@ from .beyond.electrode import electrode
 from .beyond.hovering import hovering
 from .beyond.membrane import membrane
 from .beyond.superharmonic import superharmonic
-from .cached_runs import Lab
-from .comparison import Item
+from .cached_runs import CachedRuns
+from .comparison import Comparison
 from .equation6 import equation6
 from .figure3 import figure3
 from .figure7 import figure7
@@ -24,7 +24,7 @@ from .figure13 import figure13
 from .table1 import table1
 from .table2 import table2
 
-ITEMS: dict[str, Callable[[Lab], Item]] = {
+COMPARISONS: dict[str, Callable[[CachedRuns], Comparison]] = {
     "figure3": figure3,
     "figure7": figure7,
     "table1": table1,
@@ -37,7 +37,7 @@ ITEMS: dict[str, Callable[[Lab], Item]] = {
 }
 """What the paper states numbers of."""
 
-BEYOND: dict[str, Callable[[Lab], Item]] = {
+BEYOND: dict[str, Callable[[CachedRuns], Comparison]] = {
     "animation": flight,
     "membrane": membrane,
     "superharmonic": superharmonic,
@@ -46,14 +46,14 @@ BEYOND: dict[str, Callable[[Lab], Item]] = {
 }
 """What it does not."""
 
-ALL = ITEMS | BEYOND
+ALL = COMPARISONS | BEYOND
 
 
 @dataclass(frozen=True)
 class Reproduction:
     """Items, the runs made for them this time, and the seconds they took."""
 
-    items: Sequence[Item]
+    items: Sequence[Comparison]
     ran: int
     wall_time: float
 
@@ -72,8 +72,8 @@ def chosen(names: Sequence[str]) -> list[str]:
     return [name for name in ALL if name in names or not names]
 
 
-def reproduced(names: Sequence[str], lab: Lab) -> Reproduction:
+def reproduced(names: Sequence[str], cached_runs: CachedRuns) -> Reproduction:
     """Run what the items need, each run once."""
     begun = perf_counter()
-    items = [ALL[name](lab) for name in chosen(names)]
-    return Reproduction(items, lab.ran, perf_counter() - begun)
+    items = [ALL[name](cached_runs) for name in chosen(names)]
+    return Reproduction(items, cached_runs.ran, perf_counter() - begun)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from .cached_runs import Lab
+from .cached_runs import CachedRuns
 from .job import Answer, Job, plan_of, start_of
 
 SHARE = 0.02
@@ -22,17 +22,17 @@ FILM = {
 
 
 def sensitivities(
-    lab: Lab,
+    cached_runs: CachedRuns,
     jobs: Sequence[Job],
     measure: Callable[[Answer], float],
     parameters: Mapping[str, str] = FILM,
 ) -> list[dict[str, float]]:
     """For each job d ln(measure)/d ln(p) of each parameter, by its words; NaN where a run stops."""
     changed = [
-        _changed(lab, job, key, sign) for job in jobs for key in parameters.values()
+        _changed(cached_runs, job, key, sign) for job in jobs for key in parameters.values()
         for sign in (-1.0, 1.0)
     ]  # fmt: skip
-    answers = lab.answers(changed)
+    answers = cached_runs.answers(changed)
     values = [measure(a) if a.status == "done" else math.nan for a in answers]
     wide = math.log((1.0 + SHARE) / (1.0 - SHARE))
     slopes = [
@@ -50,6 +50,6 @@ def told(slopes: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {slope:+.2f} %" for name, slope in slopes.items())
 
 
-def _changed(lab: Lab, job: Job, key: str, sign: float) -> Job:
-    value = start_of(plan_of(job, lab.library), key) * (1.0 + sign * SHARE)
+def _changed(cached_runs: CachedRuns, job: Job, key: str, sign: float) -> Job:
+    value = start_of(plan_of(job, cached_runs.library), key) * (1.0 + sign * SHARE)
     return replace(job, changes={**job.changes, key: repr(value)})

@@ -12,7 +12,7 @@ from ...errors import OutputError
 from .job import Answer, answer_of
 
 
-class Store:
+class RunCache:
     """A folder with one JSON file for each answer, named by the job's digest."""
 
     def __init__(self, folder: Path) -> None:

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ...report.plot import Axis, Curve, Figure, Plot
-from .cached_runs import Lab
-from .comparison import Item, Row, row
-from .frequency_sweep import Spectrum, Sweep, doubt, resolution, spectra
+from .cached_runs import CachedRuns
+from .comparison import Comparison, Row, row
+from .frequency_sweep import FrequencySweep, Sweep, doubt, frequency_sweeps, resolution
 from .job import plan_of
 from .metrics import amplitude, lag
 from .published_values import number
@@ -28,31 +28,31 @@ LARGEST, QUARTER = "largest amplitude", "90 degrees behind the drive"
 
 @dataclass(frozen=True)
 class Model:
-    """One way to compute the oscillators: its key for marks, words, and scenes."""
+    """One way to compute the oscillators: its key for marks, words, and scenarios."""
 
     key: str
     words: str
-    scene: str
+    scenario: str
 
 
 FILM = Model("film", "full membrane", "dea-{}")
 SPRING = Model("spring", "linear spring", "oscillator-{}")
 
 
-def oscillators(lab: Lab) -> dict[Model, list[Spectrum]]:
+def oscillators(cached_runs: CachedRuns) -> dict[Model, list[FrequencySweep]]:
     """Sweeps about each predicted frequency, by the full membrane and by the spring."""
     models = (FILM, SPRING)
-    sweeps = [Sweep(model.scene.format(k), _about(k)) for model in models for k in DEVICES]
-    every = spectra(lab, sweeps, amplitude)
+    sweeps = [Sweep(model.scenario.format(k), _about(k)) for model in models for k in DEVICES]
+    every = frequency_sweeps(cached_runs, sweeps, amplitude)
     count = len(DEVICES)
     return {model: every[k * count : (k + 1) * count] for k, model in enumerate(models)}
 
 
-def table1(lab: Lab) -> Item:
+def table1(cached_runs: CachedRuns) -> Comparison:
     """Frequencies and displacements of the five, by both models."""
-    found = oscillators(lab)
-    every = [spectrum for each in found.values() for spectrum in each]
-    rows = [row for model, each in found.items() for row in _of_model(lab, model, each)]
+    found = oscillators(cached_runs)
+    every = [frequency_sweep for each in found.values() for frequency_sweep in each]
+    rows = [row for model, each in found.items() for row in _of_model(cached_runs, model, each)]
     words = (
         "Two models. The full membrane is that of figures 3, 8 and 9, with one set of numbers for"
         " all of them: constants and thickness printed, spacers of 20 mm (DEA 4: 13.25) inferred"
@@ -64,46 +64,52 @@ def table1(lab: Lab) -> Item:
         " Displacement is read as amplitude, as in figure 3.",
         DISPLACEMENTS,
     )
-    failures = [text for spectrum in every for text in spectrum.failures]
-    return Item("table1", "Table 1: five oscillators", words, rows, [_drawn(found)], failures)
+    failures = [text for frequency_sweep in every for text in frequency_sweep.failures]
+    return Comparison("table1", "Table 1: five oscillators", words, rows, [_drawn(found)], failures)
 
 
-def _of_model(lab: Lab, model: Model, found: Sequence[Spectrum]) -> Iterator[Row]:
+def _of_model(
+    cached_runs: CachedRuns, model: Model, found: Sequence[FrequencySweep]
+) -> Iterator[Row]:
     errors: dict[str, list[float]] = {LARGEST: [], QUARTER: []}
-    for k, spectrum in zip(DEVICES, found, strict=True):
-        made = list(_rows(lab, k, model, spectrum))
+    for k, frequency_sweep in zip(DEVICES, found, strict=True):
+        made = list(_rows(cached_runs, k, model, frequency_sweep))
         yield from made
         for reading, each in errors.items():
             each += [abs(r.error) for r in made if reading in r.reading and "measured" in r.key]
-    spent = sum(spectrum.wall_time for spectrum in found)
+    spent = sum(frequency_sweep.wall_time for frequency_sweep in found)
     for reading, each in errors.items():
         mean = sum(each) / len(each) if each else math.nan
         told = f"{model.words}, {reading}"
         yield Row("table1.mean_error", mean, told, math.nan, "", spent, model=model.key)
 
 
-def _rows(lab: Lab, k: int, model: Model, spectrum: Spectrum) -> Iterator[Row]:
-    scene, spent = spectrum.sweep.scene, spectrum.wall_time
+def _rows(
+    cached_runs: CachedRuns, k: int, model: Model, frequency_sweep: FrequencySweep
+) -> Iterator[Row]:
+    scenario, spent = frequency_sweep.sweep.scenario, frequency_sweep.wall_time
     if model is SPRING:
-        starts = plan_of(spectrum.sweep.job(spectrum.frequencies[0]), lab.library).starts
+        starts = plan_of(
+            frequency_sweep.sweep.job(frequency_sweep.frequencies[0]), cached_runs.library
+        ).starts
         stiffness, mass = float(starts["spring"]["stiffness"]), float(starts["payload"]["mass"])
-        yield Row(f"table1.stiffness_{k}", stiffness, scene=scene)
+        yield Row(f"table1.stiffness_{k}", stiffness, scenario=scenario)
         plain = math.sqrt(stiffness / mass) / (2.0 * math.pi)
-        yield Row(f"table1.predicted_{k}", plain, scene=scene)
-    peak = spectrum.peak(amplitude)
+        yield Row(f"table1.predicted_{k}", plain, scenario=scenario)
+    peak = frequency_sweep.peak(amplitude)
     if peak is None:
         return
     measured = f"table1.measured_{k}"
-    wide = resolution(spectrum, peak)
+    wide = resolution(frequency_sweep, peak)
     told = f"{model.words}, {LARGEST}"
-    yield Row(measured, peak.at, told, wide, scene, spent, model=model.key)
-    quarter = spectrum.crossing(lag, 0.5 * math.pi)
-    yield row(measured, quarter, scene, f"{model.words}, {QUARTER}", model.key)
-    height = doubt(lab, spectrum, peak, amplitude)
-    yield row(f"table1.displacement_{k}", height, scene, model.words, model.key)
+    yield Row(measured, peak.at, told, wide, scenario, spent, model=model.key)
+    quarter = frequency_sweep.crossing(lag, 0.5 * math.pi)
+    yield row(measured, quarter, scenario, f"{model.words}, {QUARTER}", model.key)
+    height = doubt(cached_runs, frequency_sweep, peak, amplitude)
+    yield row(f"table1.displacement_{k}", height, scenario, model.words, model.key)
 
 
-def _drawn(found: dict[Model, list[Spectrum]]) -> Figure:
+def _drawn(found: dict[Model, list[FrequencySweep]]) -> Figure:
     curves = [
         Curve(
             f"DEA {k}, {model.words}", s.frequencies, [1e3 * v for v in s.values(amplitude)],

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .cached_runs import Lab, Measured
-from .comparison import Item, Row, row
-from .frequency_sweep import Spectrum, doubt
+from .cached_runs import CachedRuns, Measured
+from .comparison import Comparison, Row, row
+from .frequency_sweep import FrequencySweep, doubt
 from .layer_sweeps import DEFINITION, LAYERS, READINGS, payload_share, stacks
 from .metrics import gross, net, power
 from .published_values import given, number
 from .sensitivity import sensitivities, told
 
 
-def table2(lab: Lab) -> Item:
+def table2(cached_runs: CachedRuns) -> Comparison:
     """The peaks of figure 8's sweeps, in all readings of the power."""
-    found = dict(zip(LAYERS, stacks(lab), strict=True))
+    found = dict(zip(LAYERS, stacks(cached_runs), strict=True))
     tops: dict[int, Measured] = {}
-    for n, spectrum in found.items():
-        peak = spectrum.peak(power)
+    for n, frequency_sweep in found.items():
+        peak = frequency_sweep.peak(power)
         if peak is not None:
-            top, share = doubt(lab, spectrum, peak, power), payload_share(lab, spectrum)
+            top, share = (
+                doubt(cached_runs, frequency_sweep, peak, power),
+                payload_share(cached_runs, frequency_sweep),
+            )
             tops[n] = Measured(share * top.value, share * top.doubt, top.wall_time)
     rows: list[Row] = []
     for n, top in tops.items():
@@ -33,24 +36,24 @@ def table2(lab: Lab) -> Item:
         for reading, times in READINGS:
             each = Measured(times * top.value / mass, times * top.doubt / mass, top.wall_time)
             rows.append(row(f"table2.specific_{n}", each, f"power-{n}", reading))
-    words = [DEFINITION, _rests_on(lab, found)]
+    words = [DEFINITION, _rests_on(cached_runs, found)]
     if LAYERS[-1] in tops:
-        more, said = _limit(lab, found[LAYERS[-1]])
+        more, said = _limit(cached_runs, found[LAYERS[-1]])
         rows += more
         words.append(said)
-    failures = [text for spectrum in found.values() for text in spectrum.failures]
-    return Item("table2", "Table 2: power at resonance", words, rows, (), failures)
+    failures = [text for frequency_sweep in found.values() for text in frequency_sweep.failures]
+    return Comparison("table2", "Table 2: power at resonance", words, rows, (), failures)
 
 
-def _rests_on(lab: Lab, found: dict[int, Spectrum]) -> str:
+def _rests_on(cached_runs: CachedRuns, found: dict[int, FrequencySweep]) -> str:
     """What two and four layers depend on, and that their ratio hardly depends on any of it."""
     jobs = []
     for n in LAYERS[:2]:
-        spectrum = found[n]
-        peak = spectrum.peak(power)
+        frequency_sweep = found[n]
+        peak = frequency_sweep.peak(power)
         at = peak.at if peak is not None else float(number("figure8.resonance").value)
-        jobs.append(spectrum.sweep.job(spectrum.nearest(at)))
-    two, four = sensitivities(lab, jobs, power)
+        jobs.append(frequency_sweep.sweep.job(frequency_sweep.nearest(at)))
+    two, four = sensitivities(cached_runs, jobs, power)
     apart = {name: four[name] - two[name] for name in two}
     return (
         f"What the power of two layers at its peak rests on, for 1 % more of each: {told(two)}. The"
@@ -68,17 +71,22 @@ def _ratio(n: int, tops: dict[int, Measured]) -> Row:
     return row(f"table2.ratio_{n}", found, f"power-{n}")
 
 
-def _limit(lab: Lab, spectrum: Spectrum) -> tuple[list[Row], str]:
+def _limit(cached_runs: CachedRuns, frequency_sweep: FrequencySweep) -> tuple[list[Row], str]:
     """What the amplifier gives at the largest stack's peak, and what a limit of it would cost."""
-    peak = spectrum.peak(power)
+    peak = frequency_sweep.peak(power)
     assert peak is not None
-    near = spectrum.nearest(peak.at)
-    job, scene = spectrum.sweep.job(near), spectrum.sweep.scene
+    near = frequency_sweep.nearest(peak.at)
+    job, scenario = frequency_sweep.sweep.job(near), frequency_sweep.sweep.scenario
     names = ("amplifier.*.voltage", "amplifier.top_current", "amplifier.bottom_current")
     electric = replace(job, record=names, keep=names, per_cycle=240)
     rows = [
-        row("table2.limit", lab.measured(electric, gross), scene, "gross, nothing taken back"),
-        row("table2.limit", lab.measured(job, net), scene, "net, charge taken back"),
+        row(
+            "table2.limit",
+            cached_runs.measured(electric, gross),
+            scenario,
+            "gross, nothing taken back",
+        ),
+        row("table2.limit", cached_runs.measured(job, net), scenario, "net, charge taken back"),
     ]
     most = float(number("table2.limit").value)
     limited = {
@@ -87,7 +95,7 @@ def _limit(lab: Lab, spectrum: Spectrum) -> tuple[list[Row], str]:
         )
         for watts in (most, 0.5 * most)
     }
-    free, *kept = lab.answers([job, *limited.values()])
+    free, *kept = cached_runs.answers([job, *limited.values()])
     told = "; ".join(
         f"with {name}: {100 * (power(answer) / power(free) - 1):+.1f} % of mechanical power"
         if answer.status == "done"
@@ -95,7 +103,7 @@ def _limit(lab: Lab, spectrum: Spectrum) -> tuple[list[Row], str]:
         for name, answer in zip(limited, kept, strict=True)
     )
     return rows, (
-        "The paper's amplifier gives 1 W at most; the scenes set no limit, and what they draw on"
+        "The paper's amplifier gives 1 W at most; the scenarios set no limit, and what they draw on"
         " the mean stays below it. Held at every instant, as a supply without a reservoir would,"
         " it costs"
         f" more: at {near:g} Hz and {LAYERS[-1]} layers, {told}."

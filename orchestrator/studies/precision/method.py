@@ -1,4 +1,4 @@
-"""A way to step a scene: a master, and how much of the ports it is given."""
+"""A way to step a scenario: a master, and how much of the ports it is given."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ LAWS = ("held", "affine", "curvature")
 class Method:
     """A master with as much of the ports as it is given.
 
-    `controlled` lets a tolerance choose the steps; `scene` names another scene that is stepped
-    in place of the one that is studied, for parts of another fidelity.
+    `controlled` lets a tolerance choose the steps; `scenario` names another scenario that is
+    stepped in place of the one that is studied, for parts of another fidelity.
     """
 
     kind: str
     laws: str
     controlled: bool = False
-    scene: str = ""
+    scenario: str = ""
 
     def __str__(self) -> str:
         label = f"{self.kind}, {self.laws}" + (", by tolerance" if self.controlled else "")
-        return f"{self.scene}: {label}" if self.scene else label
+        return f"{self.scenario}: {label}" if self.scenario else label
 
 
 def parse_method(text: str) -> Method:
@@ -42,7 +42,7 @@ def parse_method(text: str) -> Method:
 
 
 def methods_for(plan: Plan) -> list[Method]:
-    """Every master that the units allow; with laws where the scene has any, and without."""
+    """Every master that the units allow; with laws where the scenario has any, and without."""
     able = all(known.rollback for known in plan.interfaces.values())
     lawful = any(c.input.order for c in plan.connections)
     kinds = [name for name, master in MASTERS.items() if able or not master.needs_rollback]
@@ -50,14 +50,14 @@ def methods_for(plan: Plan) -> list[Method]:
     return [Method(kind, laws) for laws in used for kind in kinds]
 
 
-def own(plan: Plan, *, controlled: bool = False, scene: str = "") -> Method:
-    """The method that a scene asks for itself."""
+def own(plan: Plan, *, controlled: bool = False, scenario: str = "") -> Method:
+    """The method that a scenario asks for itself."""
     settings = plan.scenario.master
-    return Method(settings.kind, settings.laws, controlled, scene)
+    return Method(settings.kind, settings.laws, controlled, scenario)
 
 
 def with_step(plan: Plan, method: Method, step: float, tolerance: float | None = None) -> Plan:
-    """The same scene by another method and with another step, recorded whole."""
+    """The same scenario by another method and with another step, recorded whole."""
     scenario = plan.scenario
     time = {"start": plan.grid.start, "stop": plan.grid.stop, "step": step, "tolerance": tolerance}
     time["frequency"] = plan.frequency
@@ -71,7 +71,7 @@ def with_step(plan: Plan, method: Method, step: float, tolerance: float | None =
 
 
 def load_tree(tree: dict[str, Any], plan: Plan) -> Plan:
-    """A changed scene checked against the same FMUs."""
+    """A changed scenario checked against the same FMUs."""
     paths = {name: str(known.path.resolve()) for name, known in plan.interfaces.items()}
     for name, component in tree["components"].items():
         component["fmu" if component["data"] is None else "data"] = paths[name]

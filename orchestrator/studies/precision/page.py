@@ -1,4 +1,4 @@
-"""A precision study as a page: every rung, what is advised, errors over time and step."""
+"""A precision study as a page: every run, what is advised, errors over time and step."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable
 from ...report.page import Notes, Page, Section, Words
 from ...report.plot import Axis, Curve, Figure, Plot
 from ...report.table import Cell, Column, Table, quantity
-from .study import Rung, Study
+from .study import MeasuredRun, Study
 from .table import advice, per_cycle
 
 COLUMNS = [
@@ -19,33 +19,42 @@ COLUMNS = [
 
 
 def page(study: Study) -> Page:
-    """Advice on top, then the plots, then the rungs."""
+    """Advice on top, then the plots, then the runs."""
     errors = f"Errors of {', '.join(study.variables)} against {study.reference}."
     sections = [
         Section("advice", "Cheapest for an error", [Words([errors]), Notes(list(advice(study)))]),
         Section("curves", "Error against cost", [_figure(study)]),
-        Section("rungs", "All runs", [_table(study)]),
+        Section("runs", "All runs", [_table(study)]),
     ]
-    facts = [("Simulated", f"{study.simulated:.4g} s"), ("Runs", str(len(study.rungs)))]
+    facts = [("Simulated", f"{study.simulated:.4g} s"), ("Runs", str(len(study.runs)))]
     return Page(f"Precision: {study.title}", errors, sections, facts)
 
 
 def _table(study: Study) -> Table:
-    return Table("Every method at every step", COLUMNS, [_row(study, r) for r in study.rungs])
+    return Table("Every method at every step", COLUMNS, [_row(study, r) for r in study.runs])
 
 
-def _row(study: Study, rung: Rung) -> list[Cell]:
-    first = [Cell(str(rung.method)), Cell(per_cycle(study, rung), rung.step)]
-    if rung.status != "done":
-        return [*first, Cell("stopped", math.inf, "red", note=rung.status), *([Cell("")] * 4)]
-    error = study.error(rung)
+def _row(study: Study, measured: MeasuredRun) -> list[Cell]:
+    first = [
+        Cell(str(measured.method)),
+        Cell(per_cycle(study, measured), measured.step),
+    ]
+    if measured.status != "done":
+        return [
+            *first,
+            Cell("stopped", math.inf, "red", note=measured.status),
+            *([Cell("")] * 4),
+        ]
+    error = study.error(measured)
     return [
         *first,
         quantity(error, f"{error:.2e}"),
-        Cell("") if math.isnan(rung.order) else quantity(rung.order, f"{rung.order:.2f}"),
-        quantity(rung.wall_time, f"{rung.wall_time:.3f} s"),
-        quantity(rung.calls, str(rung.calls)),
-        quantity(rung.rollbacks, str(rung.rollbacks)),
+        Cell("")
+        if math.isnan(measured.order)
+        else quantity(measured.order, f"{measured.order:.2f}"),
+        quantity(measured.wall_time, f"{measured.wall_time:.3f} s"),
+        quantity(measured.calls, str(measured.calls)),
+        quantity(measured.rollbacks, str(measured.rollbacks)),
     ]
 
 
@@ -61,10 +70,10 @@ def _figure(study: Study) -> Figure:
     return Figure("precision", "Error against cost", "A curve for each method.", plots)
 
 
-def _curves(study: Study, across: Callable[[Rung], float]) -> list[Curve]:
+def _curves(study: Study, across: Callable[[MeasuredRun], float]) -> list[Curve]:
     curves = []
-    for method in dict.fromkeys(rung.method for rung in study.rungs):
-        done = [r for r in study.rungs if r.method == method and r.status == "done"]
+    for method in dict.fromkeys(measured.method for measured in study.runs):
+        done = [r for r in study.runs if r.method == method and r.status == "done"]
         done = [r for r in done if study.error(r) > 0.0]
         if done:
             errors = [study.error(r) for r in done]
@@ -72,9 +81,9 @@ def _curves(study: Study, across: Callable[[Rung], float]) -> list[Curve]:
     return curves
 
 
-def _wall_time(rung: Rung) -> float:
-    return rung.wall_time
+def _wall_time(measured: MeasuredRun) -> float:
+    return measured.wall_time
 
 
-def _step(study: Study) -> Callable[[Rung], float]:
-    return lambda rung: study.simulated / max(rung.steps, 1)
+def _step(study: Study) -> Callable[[MeasuredRun], float]:
+    return lambda measured: study.simulated / max(measured.steps, 1)

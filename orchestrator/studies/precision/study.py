@@ -1,4 +1,4 @@
-"""Error against run time: one scene by every method over a ladder of communication steps."""
+"""Error against run time: one scenario by every method over a ladder of communication steps."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...scenario.plan import LIBRARY, Plan
 from ...simulation.interrupt import Interrupt, Interrupted
 from ...simulation.load import load
 from ...simulation.run import run
-from ..reference.solution import Reference, Yardstick, leading, yardstick
+from ..reference.solution import Reference, ReferenceSolution, leading, reference_solution
 from .method import Method, methods_for, own, with_step
 
 LADDER = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)
@@ -22,12 +22,12 @@ TARGETS = (1e-2, 1e-3, 1e-4)
 
 
 @dataclass(frozen=True)
-class Rung:
+class MeasuredRun:
     """One run: its setting, what it cost, how wrong each variable was, or what became of it.
 
     `largest` and `rms` are errors relative to the reference's largest magnitude; `wall_time`
     is the least of the repeats, loading apart. `order` is that of the largest error of the
-    leading variables between this rung and the coarser one before it, over the mean step where
+    leading variables between this run and the coarser one before it, over the mean step where
     a tolerance chose them.
     """
 
@@ -54,21 +54,21 @@ class Study:
     variables: list[str]
     frequency: float | None
     simulated: float
-    rungs: list[Rung]
+    runs: list[MeasuredRun]
 
-    def error(self, rung: Rung) -> float:
-        """Largest relative error of a rung over the leading variables."""
-        return max((rung.largest.get(name, np.nan) for name in self.variables), default=np.nan)
+    def error(self, measured: MeasuredRun) -> float:
+        """Largest relative error of a run over the leading variables."""
+        return max((measured.largest.get(name, np.nan) for name in self.variables), default=np.nan)
 
-    def cheapest(self, target: float) -> Rung | None:
-        """The rung of the scene itself with the least wall time that is within a target."""
-        own = [r for r in self.rungs if r.status == "done" and not r.method.scene]
+    def cheapest(self, target: float) -> MeasuredRun | None:
+        """The run of the scenario itself with the least wall time that is within a target."""
+        own = [r for r in self.runs if r.status == "done" and not r.method.scenario]
         good = [r for r in own if self.error(r) <= target]
-        return min(good, key=lambda rung: rung.wall_time, default=None)
+        return min(good, key=lambda measured: measured.wall_time, default=None)
 
 
 def precision(
-    scene: str | Path,
+    scenario: str | Path,
     library: Path = LIBRARY,
     *,
     methods: Sequence[Method] | None = None,
@@ -81,65 +81,70 @@ def precision(
     changes: dict[str, str] | None = None,
     options: dict[str, Any] | None = None,
     interrupt: Interrupt | None = None,
-    tell: Callable[[Rung], None] | None = None,
+    tell: Callable[[MeasuredRun], None] | None = None,
 ) -> Study:
-    """Run a scene by each method with its step times each factor of the ladder.
+    """Run a scenario by each method with its step times each factor of the ladder.
 
-    Besides, its own master gets each of the `tolerances`, and each scene of `also`, by its own
-    master, the same steps: a scene with a part of another fidelity shows what that costs and
-    how far it is from the first scene. The reference is the first scene's, see
-    :func:`orchestrator.studies.reference.solution.yardstick`.
+    Besides, its own master gets each of the `tolerances`, and each scenario of `also`, by its own
+    master, the same steps: a scenario with a part of another fidelity shows what that costs and
+    how far it is from the first scenario. The reference is the first scenario's, see
+    :func:`orchestrator.studies.reference.solution.reference_solution`.
     `variables` lead: their errors make orders and advice; the motion otherwise. Runs that
     fail stay in the study with their reason. Raises `InputError` on unknown variables and
-    `SceneError` where the monolith is asked for and cannot be had.
+    `ScenarioError` where the monolith is asked for and cannot be had.
     """
     given = dict(options or {})
-    plan = load(scene, changes, library, **given)
+    plan = load(scenario, changes, library, **given)
     chosen = list(methods or methods_for(plan))
     others = [load(other, None, library, **given) for other in also]
-    measure = yardstick(plan, library, reference, min(ladder), interrupt)
+    measure = reference_solution(plan, library, reference, min(ladder), interrupt)
     shown = leading(plan, measure.exact, variables)
-    rungs: list[Rung] = []
-    climb = _Climb(measure, shown, repeats, interrupt, rungs, tell or (lambda rung: None))
+    runs: list[MeasuredRun] = []
+    climb = _Runs(measure, shown, repeats, interrupt, runs, tell or (lambda measured: None))
     steps = [factor * plan.grid.step for factor in sorted(ladder, reverse=True)]
     for method in chosen:
         climb.up(plan, method, [(step, None) for step in steps])
     for other in others:
-        climb.up(other, own(other, scene=other.path.stem), [(step, None) for step in steps])
+        climb.up(other, own(other, scenario=other.path.stem), [(step, None) for step in steps])
     if tolerances:
         sizes = sorted(tolerances, reverse=True)
         climb.up(plan, own(plan, controlled=True), [(plan.grid.step, t) for t in sizes])
     simulated = plan.grid.stop - plan.grid.start
     return Study(
         *(plan.scenario.title, measure.name, measure.bound, shown),
-        *(plan.frequency, simulated, rungs),
+        *(plan.frequency, simulated, runs),
     )
 
 
 @dataclass(frozen=True)
-class _Climb:
+class _Runs:
     """One ladder after the other, all measured alike."""
 
-    measure: Yardstick
+    measure: ReferenceSolution
     leading: list[str]
     repeats: int
     interrupt: Interrupt | None
-    rungs: list[Rung]
-    tell: Callable[[Rung], None]
+    runs: list[MeasuredRun]
+    tell: Callable[[MeasuredRun], None]
 
     def up(
         self, plan: Plan, method: Method, settings: Sequence[tuple[float, float | None]]
     ) -> None:
-        """Every rung of one method, coarsest first."""
-        before: Rung | None = None
+        """Every run of one method, coarsest first."""
+        before: MeasuredRun | None = None
         for step, tolerance in settings:
             before = self._rung(plan, method, step, tolerance, before)
-            self.rungs.append(before)
+            self.runs.append(before)
             self.tell(before)
 
     def _rung(
-        self, plan: Plan, method: Method, step: float, tolerance: float | None, before: Rung | None
-    ) -> Rung:
+        self,
+        plan: Plan,
+        method: Method,
+        step: float,
+        tolerance: float | None,
+        before: MeasuredRun | None,
+    ) -> MeasuredRun:
         """One setting, repeated; the reason in its status where it does not run."""
         try:
             setting = with_step(plan, method, step, tolerance)
@@ -148,27 +153,27 @@ class _Climb:
                 raise done.failure
             if done.failure is not None:
                 why = f"stopped: {done.failure}"
-                return Rung(method, step, tolerance, why, steps=done.steps)
+                return MeasuredRun(method, step, tolerance, why, steps=done.steps)
             wall = [
                 run(setting, interrupt=self.interrupt, estimate=False).wall_time
                 for _ in range(self.repeats)
             ]
         except ResilinError as error:
-            return Rung(method, step, tolerance, f"stopped: {error}")
+            return MeasuredRun(method, step, tolerance, f"stopped: {error}")
         largest, rms = self.measure.errors(done, self.interrupt)
-        made = Rung(
+        made = MeasuredRun(
             *(method, step, tolerance, "done", min(wall), done.steps, sum(done.calls.values())),
             *(sum(done.rollbacks.values()), largest, rms),
         )
         return replace(made, order=self._order(before, made))
 
-    def _order(self, before: Rung | None, rung: Rung) -> float:
-        """Observed order between two rungs; NaN where there are none to be compared."""
+    def _order(self, before: MeasuredRun | None, measured: MeasuredRun) -> float:
+        """Observed order between two runs; NaN where there are none to be compared."""
         if before is None or not before.largest or not self.leading:
             return float("nan")
         first = max(before.largest.get(name, 0.0) for name in self.leading)
-        last = max(rung.largest.get(name, 0.0) for name in self.leading)
-        finer = rung.steps / max(before.steps, 1)
+        last = max(measured.largest.get(name, 0.0) for name in self.leading)
+        finer = measured.steps / max(before.steps, 1)
         if not (first > 0.0 and last > 0.0 and finer > 1.0):
             return float("nan")
         return float(np.log(first / last) / np.log(finer))

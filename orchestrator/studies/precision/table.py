@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...errors import printable
 from ..output_files import save_figure, write_records
-from .study import TARGETS, Rung, Study
+from .study import TARGETS, MeasuredRun, Study
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -17,33 +17,33 @@ if TYPE_CHECKING:
 MARKERS = "osd^v<>p*"
 
 
-def per_cycle(study: Study, rung: Rung) -> str:
-    """The step of a rung as steps per cycle, else as a time; or its tolerance."""
-    if rung.tolerance is not None:
-        return f"{rung.tolerance:.0e} tolerance"
+def per_cycle(study: Study, measured: MeasuredRun) -> str:
+    """The step of a run as steps per cycle, else as a time; or its tolerance."""
+    if measured.tolerance is not None:
+        return f"{measured.tolerance:.0e} tolerance"
     if study.frequency:
-        return f"{1.0 / study.frequency / rung.step:.4g} per cycle"
-    return f"{rung.step:.4g} s"
+        return f"{1.0 / study.frequency / measured.step:.4g} per cycle"
+    return f"{measured.step:.4g} s"
 
 
 def table(study: Study) -> Table:
-    """Every rung: setting, error, order, what it cost, or why it did not run."""
+    """Every run: setting, error, order, what it cost, or why it did not run."""
     from rich.table import Table
 
     made = Table(title=printable(study.title), title_justify="left")
     for label in ("method", "step", "error", "order", "wall time", "doStep calls", "rollbacks", ""):
         made.add_column(label)
-    for rung in study.rungs:
-        done = rung.status == "done"
+    for measured in study.runs:
+        done = measured.status == "done"
         made.add_row(
-            str(rung.method),
-            per_cycle(study, rung),
-            f"{study.error(rung):.2e}" if done else "-",
-            "" if math.isnan(rung.order) else f"{rung.order:.2f}",
-            f"{rung.wall_time:.3f} s" if done else "-",
-            str(rung.calls),
-            str(rung.rollbacks),
-            "" if done else printable(rung.status, most=80),
+            str(measured.method),
+            per_cycle(study, measured),
+            f"{study.error(measured):.2e}" if done else "-",
+            "" if math.isnan(measured.order) else f"{measured.order:.2f}",
+            f"{measured.wall_time:.3f} s" if done else "-",
+            str(measured.calls),
+            str(measured.rollbacks),
+            "" if done else printable(measured.status, most=80),
         )
     return made
 
@@ -51,36 +51,40 @@ def table(study: Study) -> Table:
 def advice(study: Study) -> Iterator[str]:
     """The cheapest setting for each of the usual errors."""
     for target in TARGETS:
-        rung = study.cheapest(target)
-        if rung is None:
+        measured = study.cheapest(target)
+        if measured is None:
             yield f"{target:.0e}: not reached"
             continue
-        speed = study.simulated / rung.wall_time
+        speed = study.simulated / measured.wall_time
         yield (
-            f"{target:.0e}: {rung.method}, {per_cycle(study, rung)}: {study.error(rung):.1e},"
+            f"{target:.0e}: {measured.method}, {per_cycle(study, measured)}:"
+            f" {study.error(measured):.1e},"
             f" {speed:.1f} times real time"
         )
 
 
 def facts(study: Study) -> list[dict[str, Any]]:
-    """One record for each rung and variable."""
+    """One record for each run and variable."""
     records = []
-    for rung in study.rungs:
+    for measured in study.runs:
         setting = {
-            "master": rung.method.kind,
-            "laws": rung.method.laws,
-            "scene": rung.method.scene,
-            "step": rung.step,
-            "tolerance": rung.tolerance,
-            "status": rung.status,
-            "wall_time": rung.wall_time,
-            "communication_steps": rung.steps,
-            "step_calls": rung.calls,
-            "rollbacks": rung.rollbacks,
-            "order": rung.order,
+            "master": measured.method.kind,
+            "laws": measured.method.laws,
+            "scenario": measured.method.scenario,
+            "step": measured.step,
+            "tolerance": measured.tolerance,
+            "status": measured.status,
+            "wall_time": measured.wall_time,
+            "communication_steps": measured.steps,
+            "step_calls": measured.calls,
+            "rollbacks": measured.rollbacks,
+            "order": measured.order,
         }
-        for name in rung.largest or {"": 0.0}:
-            errors = {"largest": rung.largest.get(name), "rms": rung.rms.get(name)}
+        for name in measured.largest or {"": 0.0}:
+            errors = {
+                "largest": measured.largest.get(name),
+                "rms": measured.rms.get(name),
+            }
             records.append({**setting, "variable": name, **errors})
     return records
 
@@ -98,15 +102,15 @@ def draw(study: Study, path: Path) -> Path:
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(1, 2, sharey=True, figsize=(10.0, 5.0))
-    methods = list(dict.fromkeys(rung.method for rung in study.rungs))
+    methods = list(dict.fromkeys(measured.method for measured in study.runs))
     for k, method in enumerate(methods):
-        rungs = [r for r in study.rungs if r.method == method]
-        done = [r for r in rungs if r.status == "done" and study.error(r) > 0.0]
+        runs = [r for r in study.runs if r.method == method]
+        done = [r for r in runs if r.status == "done" and study.error(r) > 0.0]
         style = {"marker": MARKERS[k % len(MARKERS)], "color": f"C{k % 10}", "lw": 1.0, "ms": 4}
         errors = [study.error(r) for r in done]
         axes[0].loglog([r.wall_time for r in done], errors, label=str(method), **style)
         axes[1].loglog([study.simulated / max(r.steps, 1) for r in done], errors, **style)
-        failed = [r.step for r in rungs if r.status != "done"]
+        failed = [r.step for r in runs if r.status != "done"]
         axes[1].plot(failed, [1.0] * len(failed), "x", color=style["color"])
     axes[0].set(xlabel="wall time (s)", ylabel=f"largest error of {', '.join(study.variables)}")
     axes[1].set(xlabel="mean communication step (s); x: stopped")

@@ -1,6 +1,6 @@
-"""A scene made of our parts as its own monolithic reference.
+"""A scenario made of our parts as its own monolithic reference.
 
-The part `monolith` composes the same physics as one ODE under the same names; a scene is its
+The part `monolith` composes the same physics as one ODE under the same names; a scenario is its
 own reference once that part stands in place of all others.
 """
 
@@ -9,21 +9,21 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from ...errors import SceneError
+from ...errors import ScenarioError
 from ...fmi.description import read_interface
 from ...results.outcome import Outcome
 from ...scenario.files import is_file
 from ...scenario.plan import LIBRARY, Plan, check, fmu_path
-from ...scenario.schema import Component, Master, Record, Scenario
+from ...scenario.schema import Component, MasterSettings, Record, Scenario
 
 MONOLITH = "monolith"
 
 
 def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
-    """Plan of the same scene solved as one ODE.
+    """Plan of the same scenario solved as one ODE.
 
-    Raises `SceneError` where a component is no part that the monolith is made of, where two
-    are the same part, or where an input is held at anything but zero: such a scene needs
+    Raises `ScenarioError` where a component is no part that the monolith is made of, where two
+    are the same part, or where an input is held at anything but zero: such a scenario needs
     another reference.
     """
     scenario = plan.scenario
@@ -33,12 +33,12 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
     known = {name.partition(".")[0] for name in probe.variables if "." in name}
     for name, part in parts.items():
         if part not in known or plan.interfaces[name].path != fmu_path(part, plan.path, library):
-            raise SceneError(f"{plan.path}: components.{name}: not a part of the monolith")
+            raise ScenarioError(f"{plan.path}: components.{name}: not a part of the monolith")
     if len(set(parts.values())) != len(parts):
-        raise SceneError(f"{plan.path}: components: two of one part have no monolith")
+        raise ScenarioError(f"{plan.path}: components: two of one part have no monolith")
     for key, value in plan.held.items():
         if value != 0.0:
-            raise SceneError(f"{plan.path}: hold.{key}: the monolith holds it at zero")
+            raise ScenarioError(f"{plan.path}: hold.{key}: the monolith holds it at zero")
     start = {
         f"{part}.{key}": value
         for name, part in parts.items()
@@ -61,7 +61,7 @@ def _home(library: Path) -> Path:
 def _renamed(
     scenario: Scenario, plan: Plan, start: dict[str, float | str | bool], library: Path
 ) -> Plan:
-    """Plan of the monolith that records what the scene records."""
+    """Plan of the monolith that records what the scenario records."""
     parts = {name: plan.interfaces[name].path.stem for name in plan.order}
     records = [f"{MONOLITH}.{parts[c]}.{v.name}" for c, v in plan.records]
     single = scenario.model_copy(
@@ -70,7 +70,7 @@ def _renamed(
             "wires": [],
             "hold": _held(MONOLITH),
             "record": Record(variables=records),
-            "master": Master(),
+            "master": MasterSettings(),
             "time": scenario.time.model_copy(update={"frequency": plan.frequency}),
         }
     )
@@ -85,7 +85,7 @@ def _held(name: str) -> dict[str, float | str]:
 
 
 def as_recorded(reference: Outcome, plan: Plan) -> Outcome:
-    """The monolith's outcome under the names that the scene's components have."""
+    """The monolith's outcome under the names that the scenario's components have."""
     names = {plan.interfaces[name].path.stem: name for name in plan.order}
     renamed = []
     for name in reference.names:

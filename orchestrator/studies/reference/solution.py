@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, SceneError, SimulationError, nearest
+from ...errors import InputError, ScenarioError, SimulationError, nearest
 from ...results.outcome import Outcome
 from ...scenario.plan import Plan
 from ...simulation.interrupt import Interrupt
@@ -22,10 +22,10 @@ Reference = Literal["monolith", "self"]
 
 
 @dataclass(frozen=True)
-class Yardstick:
-    """A reference solution of a scene; `bound` is that of its own error, where that is known.
+class ReferenceSolution:
+    """A reference solution of a scenario; `bound` is that of its own error, where that is known.
 
-    `single` is the scene's monolith where it has one. It is solved again where a run
+    `single` is the scenario's monolith where it has one. It is solved again where a run
     communicates at points of its own; else the solution is interpolated by cubic splines.
     """
 
@@ -82,30 +82,30 @@ def common(
     return np.flatnonzero(same), near[same]
 
 
-def yardstick(
+def reference_solution(
     plan: Plan,
     library: Path,
     wanted: Reference | None = None,
     finest: float = 1.0,
     interrupt: Interrupt | None = None,
-) -> Yardstick:
-    """The monolith at the scene's communication points; else the scene by itself.
+) -> ReferenceSolution:
+    """The monolith at the scenario's communication points; else the scenario by itself.
 
     Then it is iterated, or by Gauss-Seidel where that does not settle, at a quarter of the
-    `finest` of the steps to be measured, given as a multiple of the scene's, and bounded by its
-    distance from half that fineness. Raises `SceneError` where a monolith is wanted and there
+    `finest` of the steps to be measured, given as a multiple of the scenario's, and bounded by its
+    distance from half that fineness. Raises `ScenarioError` where a monolith is wanted and there
     is none, `SimulationError` where the reference itself cannot be calculated.
     """
     if wanted != "self":
         try:
             single = monolithic(plan, library)
-        except SceneError:
+        except ScenarioError:
             if wanted == "monolith":
                 raise
         else:
             points = [plan.grid.point(k) for k in range(plan.grid.count + 1)]
             exact = as_recorded(_whole(replay(single, points, interrupt)), plan)
-            return Yardstick(exact, "the monolith, DOP853 at 1e-10", {}, single, plan)
+            return ReferenceSolution(exact, "the monolith, DOP853 at 1e-10", {}, single, plan)
     able = all(known.rollback for known in plan.interfaces.values())
     try:
         return _itself(plan, "iterative" if able else "gauss-seidel", finest, interrupt)
@@ -115,15 +115,15 @@ def yardstick(
     return _itself(plan, "gauss-seidel", finest, interrupt)
 
 
-def _itself(plan: Plan, kind: str, finest: float, interrupt: Interrupt | None) -> Yardstick:
-    """The scene at a quarter of the finest step, bounded by its distance from half of that."""
+def _itself(plan: Plan, kind: str, finest: float, interrupt: Interrupt | None) -> ReferenceSolution:
+    """The scenario at a quarter of the finest step, bounded by its distance from half of that."""
     method = Method(kind, plan.scenario.master.laws)
     fine, finer = (
         _whole(run(with_step(plan, method, share * finest * plan.grid.step), interrupt=interrupt))
         for share in (0.5, 0.25)
     )
     bound, _ = errors(fine, finer)
-    return Yardstick(finer, f"itself by {method} at a quarter of the finest step", bound)
+    return ReferenceSolution(finer, f"itself by {method} at a quarter of the finest step", bound)
 
 
 def _whole(outcome: Outcome) -> Outcome:
@@ -133,7 +133,7 @@ def _whole(outcome: Outcome) -> Outcome:
 
 
 def leading(plan: Plan, exact: Outcome, variables: Iterable[str] | None = None) -> list[str]:
-    """Variables whose errors count: those named, else those that lead in the scene."""
+    """Variables whose errors count: those named, else those that lead in the scenario."""
     if variables:
         for name in variables:
             if name not in exact.names:

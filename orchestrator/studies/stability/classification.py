@@ -30,7 +30,7 @@ class Trial:
 
     `error` is the largest relative one of the leading variables; `told` what a run that is
     wrong says of itself: the energy audit's warning, its error estimate, or nothing.
-    `usual` marks the scene's own master and step, `auto` the step that is found for it.
+    `usual` marks the scenario's own master and step, `auto` the step that is found for it.
     """
 
     case: str

@@ -42,7 +42,7 @@ def _references(study: Study) -> list[str]:
 
 def _counts(study: Study) -> Table:
     counts = [study.count(), study.count("usual"), study.count("auto")]
-    titles = ["All runs", "Scenes' own settings", "Step found for them"]
+    titles = ["All runs", "Scenarios' own settings", "Step found for them"]
     columns = [Column("Class"), *(Column(title, number=True) for title in titles)]
     rows = [
         [

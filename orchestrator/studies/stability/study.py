@@ -10,11 +10,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
 
-from ...errors import SceneError
+from ...errors import ScenarioError
 from ...scenario.plan import LIBRARY
 from ...simulation.interrupt import Interrupt
 from ..precision.method import Method, methods_for
-from ..workers.pool import Crew, Lost
+from ..workers.pool import Failed, WorkerPool
 from .cases import Case, plan_of
 from .classification import CLASSES, Trial
 from .trial import Job, work
@@ -37,7 +37,7 @@ class Study:
     memory: float = 0.0
 
     def count(self, only: Literal["usual", "auto"] | None = None) -> dict[str, int]:
-        """Trials of each class; of the scenes' own settings or the steps found for them alone."""
+        """Trials of each class; of the scenarios' own settings, or of the automatic steps alone."""
         found = Counter(t.kind for t in self.trials if only is None or getattr(t, only))
         return {kind: found[kind] for kind in CLASSES}
 
@@ -56,7 +56,7 @@ def stability(
     """Run each case of a file by each method at each of its steps, and class what comes of it.
 
     First the references, then the ladders; a worker that dies or hangs costs its own ladder,
-    which then counts as silently wrong. Raises `SceneError` with all problems of all cases
+    which then counts as silently wrong. Raises `ScenarioError` with all problems of all cases
     before anything runs.
     """
     begun = perf_counter()
@@ -70,11 +70,11 @@ def stability(
         references: dict[str, str] = {}
         trials: list[Trial] = []
         memory = 0.0
-        with Crew(work, workers, None, patience * 40.0) as crew:
-            for done, (job, answer) in enumerate(crew.answers(solve, check), start=1):
+        with WorkerPool(work, workers, None, patience * 40.0) as pool:
+            for done, (job, answer) in enumerate(pool.answers(solve, check), start=1):
                 references[job.case.name] = _named(answer)
                 (tell or _silent)(done, total)
-            for done, (job, answer) in enumerate(crew.answers(climb, check), start=len(solve) + 1):
+            for done, (job, answer) in enumerate(pool.answers(climb, check), start=len(solve) + 1):
                 trials += _trials(job, answer)
                 memory = max(memory, answer.get("memory", 0.0) if isinstance(answer, dict) else 0.0)
                 (tell or _silent)(done, total)
@@ -86,33 +86,33 @@ def stability(
 def _planned(
     cases: Sequence[Case], file: Path, library: Path, methods: Sequence[Method] | None
 ) -> dict[str, list[Method]]:
-    """Methods of each case; `SceneError` with everything that is wrong with any of them."""
+    """Methods of each case; `ScenarioError` with everything that is wrong with any of them."""
     problems: list[str] = []
     tried: dict[str, list[Method]] = {}
     for case in cases:
         try:
             plan = plan_of(case, file, library)
-        except SceneError as error:
+        except ScenarioError as error:
             problems += [f"case {case.name}: {text}" for text in error.problems]
             continue
         able = methods_for(plan)
         tried[case.name] = [m for m in methods if m in able] if methods else able
     if problems:
-        raise SceneError(problems)
+        raise ScenarioError(problems)
     return tried
 
 
-def _named(answer: dict[str, Any] | Lost) -> str:
-    if isinstance(answer, Lost):
+def _named(answer: dict[str, Any] | Failed) -> str:
+    if isinstance(answer, Failed):
         return f"none: {answer.reason}"
     return str(answer.get("reference") or f"none: {answer.get('reason')}")
 
 
-def _trials(job: Job, answer: dict[str, Any] | Lost) -> list[Trial]:
+def _trials(job: Job, answer: dict[str, Any] | Failed) -> list[Trial]:
     """Trials of an answer; a ladder that was lost counts as silently wrong."""
     if isinstance(answer, dict) and "trials" in answer:
         return [Trial(**trial) for trial in answer["trials"]]
-    reason = answer.reason if isinstance(answer, Lost) else str(answer.get("reason"))
+    reason = answer.reason if isinstance(answer, Failed) else str(answer.get("reason"))
     method = job.method or Method("", "")
     return [
         Trial(job.case.name, method.kind, method.laws, n, "silent", reason=reason)

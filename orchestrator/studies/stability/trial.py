@@ -16,7 +16,7 @@ from ...scenario.plan import Plan
 from ...simulation.interrupt import Interrupt, Interrupted
 from ...simulation.run import run
 from ..precision.method import Method, own, with_step
-from ..reference.solution import errors, leading, yardstick
+from ..reference.solution import errors, leading, reference_solution
 from .cases import Case, plan_of
 from .classification import Trial, judged
 
@@ -79,7 +79,7 @@ def _reference(job: Job) -> dict[str, Any]:
     for kind in wanted:
         patience = _Deadline(4.0 * job.patience)
         try:
-            found = yardstick(plan, job.library, kind, interrupt=patience)
+            found = reference_solution(plan, job.library, kind, interrupt=patience)
         except Late:
             reasons.append("it takes too long")
         except ResilinError as error:
@@ -113,7 +113,7 @@ def _ladder(job: Job, method: Method) -> list[Trial]:
 
 
 def _automatic(job: Job, method: Method, exact: Outcome | None) -> Trial:
-    """The scene's own master with the step that is found for it, or the reason why none is."""
+    """The scenario's own master with the step that is found for it, or the reason why none is."""
     bare = Trial(job.case.name, method.kind, method.laws, 0, "late", auto=True)
     try:
         plan = plan_of(job.case, job.file, job.library, "auto")

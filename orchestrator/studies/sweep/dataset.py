@@ -16,7 +16,7 @@ from .points import Grid, Point, Record
 if TYPE_CHECKING:
     import xarray
 
-KEPT = ("title", "scene_file", "fmu_guids", "fmu_sha256", "resilin_version", "master", "laws")
+KEPT = ("title", "scenario_file", "fmu_guids", "fmu_sha256", "resilin_version", "master", "laws")
 """What the provenance of one run says of all of them."""
 
 MISSING = Record("missing", "not run yet")
@@ -70,11 +70,11 @@ def _circumstances(rows: Sequence[Record]) -> dict[str, Any]:
 
 
 def _provenance(grid: Grid) -> dict[str, Any]:
-    """What the sweep is made of; the scene is that of the first point."""
+    """What the sweep is made of; the scenario is that of the first point."""
     known = provenance(grid.plan)
     first = grid.points[0]
     return {name: known[name] for name in KEPT} | {
-        "scene": known["scene"],
+        "scenario": known["scenario"],
         "first_point": json.dumps(dict(zip(first.names, first.values, strict=True))),
         "axes": json.dumps([axis.name for axis in grid.coordinates]),
     }

@@ -11,19 +11,19 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from ...errors import InputError, SceneError, SimulationError, printable
+from ...errors import InputError, ScenarioError, SimulationError, printable
 from ...scenario.plan import Plan
 from .axes import Axis
 
 MOST_PROBLEMS = 20
-CONDITIONS = ("scene", "fmu_sha256", "resilin_version")
+CONDITIONS = ("scenario", "fmu_sha256", "resilin_version")
 
 
 @dataclass(frozen=True)
 class Setting:
-    """What all points of a sweep share: the scene and all but the axes' start values."""
+    """What all points of a sweep share: the scenario and all but the axes' start values."""
 
-    scene: str
+    scenario: str
     library: str
     changes: Mapping[str, str]
     options: Mapping[str, Any]
@@ -33,7 +33,7 @@ class Setting:
 class Point:
     """One run of a sweep. `place` is where it stands on the axes, in the FMUs' units.
 
-    `key` digests the resolved scene, the FMU files and Resilin's version: a result under it
+    `key` digests the resolved scenario, the FMU files and Resilin's version: a result under it
     is the result of this very run.
     """
 
@@ -82,7 +82,7 @@ class Grid:
 
 
 def planned(setting: Setting, axes: Sequence[Axis], check: Callable[[], None]) -> Grid:
-    """Load the plan of every point; `SceneError` with all their problems, each told once."""
+    """Load the plan of every point; `ScenarioError` with all their problems, each told once."""
     problems: dict[str, None] = {}
     points: list[Point] = []
     first: Plan | None = None
@@ -91,15 +91,15 @@ def planned(setting: Setting, axes: Sequence[Axis], check: Callable[[], None]) -
         check()
         try:
             plan, point = point_at(setting, names, values)
-        except SceneError as error:
+        except ScenarioError as error:
             problems |= dict.fromkeys(error.problems)
             if len(problems) > MOST_PROBLEMS:
-                raise SceneError([*list(problems)[:MOST_PROBLEMS], "... and more"]) from None
+                raise ScenarioError([*list(problems)[:MOST_PROBLEMS], "... and more"]) from None
             continue
         first = first or plan
         points.append(point)
     if problems or first is None:
-        raise SceneError(problems)
+        raise ScenarioError(problems)
     return Grid(setting, first, [_coordinate(first, name) for name in names], points)
 
 
@@ -117,7 +117,7 @@ def _plan(setting: Setting, values: Mapping[str, str]) -> Plan:
     from ...simulation.load import load
 
     library = Path(setting.library)
-    return load(setting.scene, {**setting.changes, **values}, library, **setting.options)
+    return load(setting.scenario, {**setting.changes, **values}, library, **setting.options)
 
 
 def _identity(plan: Plan) -> tuple[str, str]:
@@ -197,5 +197,5 @@ def _difference(point: Point, plan: Plan) -> str:
     if release != point.release:
         return f"has resilin {release}, the sweep is of {point.release}; install the same"
     if key != point.key:
-        return "has another scene or other FMU files than the sweep was planned with"
+        return "has another scenario or other FMU files than the sweep was planned with"
     return ""

@@ -1,4 +1,4 @@
-"""A scene over ranges of its start values: one run a point, on as many processes as there are.
+"""A scenario over ranges of its start values: one run a point, on as many processes as there are.
 
 Each finished point is on disk at once, in `TARGET.points`, so that a sweep that was stopped or
 killed goes on where it was. At the end all points stand in one labelled netCDF file.
@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...errors import InputError, OutputError, SimulationError, nearest
-from ...scenario.files import scene_names, scene_path
+from ...scenario.files import scenario_names, scenario_path
 from ...scenario.plan import LIBRARY
 from ...simulation.interrupt import Interrupt, Interrupted
-from ..workers.pool import Answer, Crew, Lost
+from ..workers.pool import Answer, Failed, WorkerPool
 from .axes import Axis, check_axes, parse_axis
 from .checkpoint import Folder, record_of
 from .peak import FINEST, Peak, middles, peak_of, spacing
@@ -31,7 +31,7 @@ Check = Callable[[], None]
 
 
 def sweep(
-    scene: str | Path,
+    scenario: str | Path,
     axes: Sequence[Axis],
     library: Path = LIBRARY,
     target: Path = Path("results") / "sweep.nc",
@@ -46,7 +46,7 @@ def sweep(
     progress: bool | None = None,
     interrupt: Interrupt | None = None,
 ) -> xarray.Dataset:
-    """Run a scene at every point of the axes' product; its metrics over dimension `point`.
+    """Run a scenario at every point of the axes' product; its metrics over dimension `point`.
 
     `changes` and `options` hold for all points, as for :func:`orchestrator.simulation.load.load`.
     Points run on `workers` processes here, as many as processors by default, or on those of a
@@ -57,7 +57,7 @@ def sweep(
 
     The result is written to `target`. A sweep that is interrupted, or loses its scheduler, leaves
     `TARGET.partial.nc` with `missing` points, and goes on from `TARGET.points` the next time:
-    points of another scene, FMU or version of Resilin are not taken over. `keep` leaves that
+    points of another scenario, FMU or version of Resilin are not taken over. `keep` leaves that
     folder after a whole sweep. Raises `InputError` with all problems before anything runs.
     """
     from ...results.netcdf import clear, prepare
@@ -68,18 +68,18 @@ def sweep(
     if refine is not None:
         _check_line(axes)
     check: Check = interrupt.check if interrupt is not None else _nothing
-    setting = Setting(_place_of(scene), str(library.absolute()), common, dict(options or {}))
+    setting = Setting(_place_of(scenario), str(library.absolute()), common, dict(options or {}))
     grid = planned(setting, axes, check)
     if refine is not None and not grid.coordinates[0].numeric:
         raise InputError(f"refine: {axes[0].name} takes texts, and there is nothing between them")
     prepare(target)
     with (
         Folder(target) as folder,
-        Crew(calculate, workers, scheduler, patience) as crew,
+        WorkerPool(calculate, workers, scheduler, patience) as pool,
         _bar(bool(progress)) as told,
     ):
         clear(target)
-        study = _Study(grid, folder, crew, refine, check, told)
+        study = _Study(grid, folder, pool, refine, check, told)
         return study.carried_out(target, keep)
 
 
@@ -90,14 +90,14 @@ class _Study:
         self,
         grid: Grid,
         folder: Folder,
-        crew: Crew[Point],
+        pool: WorkerPool[Point],
         refine: str | None,
         check: Check,
         told: Callable[[int, int], None],
     ) -> None:
         self._grid = grid
         self._folder = folder
-        self._crew = crew
+        self._crew = pool
         self._refine = refine
         self._check = check
         self._told = told
@@ -198,16 +198,16 @@ class _Study:
         )
 
 
-def _record(answer: Answer | Lost) -> Record:
-    if isinstance(answer, Lost):
+def _record(answer: Answer | Failed) -> Record:
+    if isinstance(answer, Failed):
         return Record("failed", answer.reason)
     return record_of(answer)
 
 
-def _place_of(scene: str | Path) -> str:
-    """A shipped scene by its name, any other by a path that holds wherever a worker runs."""
-    name = str(scene)
-    return name if name in scene_names() else str(scene_path(name).absolute())
+def _place_of(scenario: str | Path) -> str:
+    """A shipped scenario by its name, any other by a path that holds wherever a worker runs."""
+    name = str(scenario)
+    return name if name in scenario_names() else str(scenario_path(name).absolute())
 
 
 def _check_numbers(workers: int | None, patience: float | None) -> None:

@@ -30,7 +30,7 @@ RECYCLED = 2000
 
 
 @dataclass(frozen=True)
-class Lost:
+class Failed:
     """A point without an answer; `again` where its worker died, which may be another's fault."""
 
     reason: str
@@ -38,14 +38,14 @@ class Lost:
 
 
 @dataclass(frozen=True)
-class _Flight(Generic[Item]):
+class _InFlight(Generic[Item]):
     point: Item
     future: Any
     begun: float
     last: bool
 
 
-class Crew(Generic[Item]):
+class WorkerPool(Generic[Item]):
     """Workers that take one point at a time each; started when the first point is asked for.
 
     A worker that dies has its point tried once more while nothing else runs; a point over
@@ -65,7 +65,7 @@ class Crew(Generic[Item]):
         self._patience = math.inf if patience is None else patience
         self._stack = contextlib.ExitStack()
         self._client: Client | None = None
-        self._flights: dict[str, _Flight[Item]] = {}
+        self._flights: dict[str, _InFlight[Item]] = {}
         self._leaving: set[str] = set()
         self._done: Counter[str] = Counter()
         self._wake = threading.Event()
@@ -81,7 +81,7 @@ class Crew(Generic[Item]):
 
     def answers(
         self, points: Iterable[Item], check: Callable[[], None]
-    ) -> Iterator[tuple[Item, Answer | Lost]]:
+    ) -> Iterator[tuple[Item, Answer | Failed]]:
         """What became of each point, as it becomes known; `check` may raise at any tick.
 
         `InputError` where a worker cannot take up points at all, `SimulationError` where there
@@ -95,7 +95,7 @@ class Crew(Generic[Item]):
             here = self._here(client)
             landed = []
             for flight, answer in list(self._landed(here, client)):
-                if isinstance(answer, Lost) and answer.again and not flight.last:
+                if isinstance(answer, Failed) and answer.again and not flight.last:
                     alone.append(flight.point)
                 else:
                     landed.append((flight.point, answer))
@@ -152,11 +152,11 @@ class Crew(Generic[Item]):
             self._task, point, workers=[address], pure=False, retries=0, allow_other_workers=False
         )
         future.add_done_callback(lambda _: self._wake.set())
-        self._flights[address] = _Flight(point, future, monotonic(), last)
+        self._flights[address] = _InFlight(point, future, monotonic(), last)
 
     def _landed(
         self, here: list[str], client: Client
-    ) -> Iterator[tuple[_Flight[Item], Answer | Lost]]:
+    ) -> Iterator[tuple[_InFlight[Item], Answer | Failed]]:
         """Flights that are over, whichever way."""
         for address, flight in list(self._flights.items()):
             spent = monotonic() - flight.begun
@@ -165,16 +165,18 @@ class Crew(Generic[Item]):
             elif address not in here:
                 answer = _died()
             elif spent > self._patience:
-                answer = Lost(f"no answer within {self._patience:g} s; its worker was ended", False)
+                answer = Failed(
+                    f"no answer within {self._patience:g} s; its worker was ended", False
+                )
             else:
                 continue
             self._drop(address)
             self._done[address] += 1
-            if isinstance(answer, Lost) and not answer.again:
+            if isinstance(answer, Failed) and not answer.again:
                 self._dismiss(client, address)
             yield flight, answer
 
-    def _read(self, client: Client, future: Any, address: str) -> Answer | Lost:
+    def _read(self, client: Client, future: Any, address: str) -> Answer | Failed:
         """A finished task's answer; `InputError` where the worker was not fit for it."""
         from distributed import KilledWorker
 
@@ -193,7 +195,7 @@ class Crew(Generic[Item]):
         if "unfit" in answer:
             raise InputError(
                 f"worker {address}: {answer['unfit']}; workers need the same resilin, and the"
-                " sweep's scene and FMU files at the same place"
+                " sweep's scenario and FMU files at the same place"
             )
         return answer
 
@@ -209,5 +211,5 @@ class Crew(Generic[Item]):
         dask_cluster.end(client, address)
 
 
-def _died() -> Lost:
-    return Lost("its worker process died twice: a crash, or out of memory", again=True)
+def _died() -> Failed:
+    return Failed("its worker process died twice: a crash, or out of memory", again=True)

@@ -1,4 +1,4 @@
-"""A long random walk of a pair through its life, every answer compared."""
+"""A long random stepper of a pair through its life, every answer compared."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A recording as an FMU: what the scene's `data = ...` gives, and refusals."""
+"""A recording as an FMU: what the scenario's `data = ...` gives, and refusals."""
 
 from __future__ import annotations
 
@@ -127,13 +127,13 @@ def test_where_the_record_ends_the_run_stops(
 ) -> None:
     recording = build_fmus.open_recorded(bench(tmp_path), "bench", settings(**keys))
     path = build_fmus.build("replay", alias="bench", recording=recording, into=tmp_path).path
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
+    scenario = tmp_path / "scenario.toml"
+    scenario.write_text(
         f'[time]\nstart = "{start}"\nstop = 0.1\nstep = 1e-3\n[components.b]\nfmu = "{path}"\n'
     )
 
     def play() -> None:
-        outcome = run(load(scene))
+        outcome = run(load(scenario))
         if outcome.failure is not None:
             assert outcome.times[-1] == pytest.approx(0.04)
             raise outcome.failure
@@ -144,11 +144,11 @@ def test_where_the_record_ends_the_run_stops(
 
 def test_a_replay_takes_the_place_of_a_part(library: Path, tmp_path: Path) -> None:
     """Wires into the amplifier, its holds and its records are let go of, as with a file."""
-    scene = tmp_path / "scene.toml"
-    scene.write_text('extends = "oscillator-1"\n[components.amplifier]\nfmu = "replay"\n')
-    plan = load(scene, None, library, time={"stop": "20 cycles"})
+    scenario = tmp_path / "scenario.toml"
+    scenario.write_text('extends = "oscillator-1"\n[components.amplifier]\nfmu = "replay"\n')
+    plan = load(scenario, None, library, time={"stop": "20 cycles"})
     assert plan.frequency == 18.0
-    assert any("spring.top -> amplifier.top" in line for line in plan.let_go)
+    assert any("spring.top -> amplifier.top" in line for line in plan.dropped)
     outcome = run(plan)
     assert outcome.failure is None
     assert np.abs(outcome.series("payload.displacement")).max() > 1e-3

@@ -1,4 +1,4 @@
-"""The command line against bad scenes, options, files and signals: an exit code, one line per
+"""The command line against bad scenarios, options, files and signals: an exit code, one line per
 problem that names file, key and remedy, and nothing left behind.
 """
 
@@ -23,7 +23,7 @@ from orchestrator.results import netcdf
 from orchestrator.simulation.interrupt import Interrupt
 from tests.foreign.build import foreign
 
-SCENE = """\
+SCENARIO = """\
 [time]
 stop = "0.01 s"
 step = "1e-3 s"
@@ -52,7 +52,7 @@ to = "payload.force"
 from = "payload.motion"
 to = "spring.motion"
 """
-ACTING = f"""{SCENE}
+ACTING = f"""{SCENARIO}
 [[actions]]
 at = "5 ms"
 set = {{ "payload.force.value" = "0.2 N" }}
@@ -78,20 +78,20 @@ Refuse = Callable[..., list[str]]
 
 
 def changed(old: str, new: str) -> str:
-    """The good scene with one replacement, which must be there to be made."""
-    assert old in SCENE
-    return SCENE.replace(old, new, 1)
+    """The good scenario with one replacement, which must be there to be made."""
+    assert old in SCENARIO
+    return SCENARIO.replace(old, new, 1)
 
 
 def acting(old: str, new: str) -> str:
-    """The good scene with an action, and one replacement in that."""
+    """The good scenario with an action, and one replacement in that."""
     assert old in ACTING
     return ACTING.replace(old, new, 1)
 
 
 def mastered(kind: str, setting: str) -> str:
-    """The good scene with a setting of a master."""
-    return f'{SCENE}\n[master]\nkind = "{kind}"\n{setting}\n'
+    """The good scenario with a setting of a master."""
+    return f'{SCENARIO}\n[master]\nkind = "{kind}"\n{setting}\n'
 
 
 def label(value: object) -> str | None:
@@ -108,12 +108,12 @@ def invoke(library: Path, *arguments: str) -> tuple[int, list[str], BaseExceptio
 
 @pytest.fixture
 def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder, with a scene in it and an own folder for temporary files."""
+    """The current folder, with a scenario in it and an own folder for temporary files."""
     temporary = tmp_path / "temporary"
     temporary.mkdir()
     folder = tmp_path / "desk ä b"
     folder.mkdir()
-    (folder / "good.toml").write_text(SCENE)
+    (folder / "good.toml").write_text(SCENARIO)
     monkeypatch.chdir(folder)
     monkeypatch.setattr(tempfile, "tempdir", str(temporary))
     return folder
@@ -139,28 +139,28 @@ def refuse(desk: Path, library: Path) -> Refuse:
     return run
 
 
-def test_good_scene_runs_and_leaves_nothing(desk: Path, library: Path) -> None:
+def test_good_scenario_runs_and_leaves_nothing(desk: Path, library: Path) -> None:
     code, lines, error = invoke(library, "good.toml")
     assert (code, lines, error) == (0, [], None)
     assert [p.name for p in desk.iterdir() if p.name != "good.toml"] == ["out.nc"]
     assert list(Path(tempfile.gettempdir()).iterdir()) == []
 
 
-@pytest.mark.parametrize("text", ["\ufeff" + SCENE, SCENE.replace("\n", "\r\n")])
+@pytest.mark.parametrize("text", ["\ufeff" + SCENARIO, SCENARIO.replace("\n", "\r\n")])
 def test_mark_and_line_ends_of_windows_are_accepted(text: str, desk: Path, library: Path) -> None:
     (desk / "windows.toml").write_bytes(text.encode())
     assert invoke(library, "windows.toml")[0] == 0
 
 
 @pytest.mark.parametrize(
-    ("scene", "reasons"),
+    ("scenario", "reasons"),
     [
-        ("missing.toml", ["missing.toml: no such scene file"]),
+        ("missing.toml", ["missing.toml: no such scenario file"]),
         ("flaping-full-wings", ["did you mean 'flapping-full-wings'?"]),
-        ("nosuch", ["no scene 'nosuch'", "flapping-full-wings"]),
+        ("nosuch", ["no scenario 'nosuch'", "flapping-full-wings"]),
         ("./", ["is a folder"]),
         ("..", [".."]),
-        ("", ["scene"]),
+        ("", ["scenario"]),
         ("/dev/zero", ["/dev/zero"]),
         ("n" * 300, ["nnn"]),
         ("n" * 300 + ".toml", ["nnn"]),
@@ -168,8 +168,8 @@ def test_mark_and_line_ends_of_windows_are_accepted(text: str, desk: Path, libra
     ],
     ids=label,
 )
-def test_scene_that_is_not_there(scene: str, reasons: list[str], refuse: Refuse) -> None:
-    (line,) = refuse(scene)
+def test_scenario_that_is_not_there(scenario: str, reasons: list[str], refuse: Refuse) -> None:
+    (line,) = refuse(scenario)
     assert all(reason in line for reason in reasons), line
 
 
@@ -180,34 +180,37 @@ def test_scene_that_is_not_there(scene: str, reasons: list[str], refuse: Refuse)
         ("[time\nstop = 1", ["not TOML", "line 1"]),
         ("[time]\nstop == 1", ["not TOML", "line 2"]),
         (changed(HOLD, f"{HOLD}\n{HOLD}"), ["not TOML", "line 11"]),
-        (SCENE + "[time]\n", ["not TOML", "line 11"]),
+        (SCENARIO + "[time]\n", ["not TOML", "line 11"]),
         ("a = " + "[" * 5000 + "]" * 5000, ["not TOML"]),
         ("a = " + "{a=" * 5000 + "1" + "}" * 5000, ["not TOML"]),
         ("a." * 5000 + "x = 1", ["a: "]),
-        (SCENE + "\n[components.payload.start.mass." + "a." * 3000 + "a]", ["not TOML"]),
+        (SCENARIO + "\n[components.payload.start.mass." + "a." * 3000 + "a]", ["not TOML"]),
         (changed(MASS, "mass." + "a." * 3000 + "a = 1"), ["start.mass"]),
         (changed(STEP, "step = 1" + "0" * 5000), ["not TOML"]),
         (changed(STEP, "step = 1" + "0" * 400), ["time.step: "]),
         # unknown keys, at each level
-        (SCENE + "[tim]\n", ["tim: unknown key", "did you mean 'time'?"]),
-        ("tittle = 1\n" + SCENE, ["tittle: unknown key", "did you mean 'title'?"]),
+        (SCENARIO + "[tim]\n", ["tim: unknown key", "did you mean 'time'?"]),
+        ("tittle = 1\n" + SCENARIO, ["tittle: unknown key", "did you mean 'title'?"]),
         (changed("step =", "stepp ="), ["time.stepp: unknown key", "did you mean 'step'?"]),
         (changed(STEP, "step = { per_cyle = 9 }"), ["time.step", "did you mean 'per_cycle'?"]),
         (changed("start = {", "strat = {"), ["components.payload.strat", "'start'?"]),
-        (SCENE + "[master]\nlaw = 1", ["master.law: unknown key", "did you mean 'laws'?"]),
-        (SCENE + "[record]\nevry = 1", ["record.evry: unknown key", "did you mean 'every'?"]),
-        (SCENE + "[metrics]\ncycle = 1", ["metrics.cycle: unknown key", "'cycles'?"]),
-        (SCENE + '[[wires]]\nfrom="a"\nto="b"\ngian=1', ["wires.0.gian", "did you mean 'gain'?"]),
-        (SCENE + '[[wires]]\nfrom = "payload.motion"', ["wires", "to"]),
-        (SCENE + "[components.other]", ["components.other.fmu: is missing"]),
-        ('"esc\\u001b[31m" = 1\n' + SCENE, ["esc\\x1b[31m: unknown key"]),
-        ('"a\\nb" = 1\n' + SCENE, ["a\\x0ab: unknown key"]),
+        (SCENARIO + "[master]\nlaw = 1", ["master.law: unknown key", "did you mean 'laws'?"]),
+        (SCENARIO + "[record]\nevry = 1", ["record.evry: unknown key", "did you mean 'every'?"]),
+        (SCENARIO + "[metrics]\ncycle = 1", ["metrics.cycle: unknown key", "'cycles'?"]),
+        (
+            SCENARIO + '[[wires]]\nfrom="a"\nto="b"\ngian=1',
+            ["wires.0.gian", "did you mean 'gain'?"],
+        ),
+        (SCENARIO + '[[wires]]\nfrom = "payload.motion"', ["wires", "to"]),
+        (SCENARIO + "[components.other]", ["components.other.fmu: is missing"]),
+        ('"esc\\u001b[31m" = 1\n' + SCENARIO, ["esc\\x1b[31m: unknown key"]),
+        ('"a\\nb" = 1\n' + SCENARIO, ["a\\x0ab: unknown key"]),
         # tables and types
         ("components = 3", ["components: "]),
         ("components = { payload = 3 }", ["components.payload: "]),
-        ("wires = 3\n" + SCENE, ["wires: "]),
-        ("wires = [3]\n" + SCENE, ["wires", "expected a table"]),
-        ("", ["components: a scene needs at least one"]),
+        ("wires = 3\n" + SCENARIO, ["wires: "]),
+        ("wires = [3]\n" + SCENARIO, ["wires", "expected a table"]),
+        ("", ["components: a scenario needs at least one"]),
         (changed(STEP, "step = true"), ["time.step: ", "True"]),
         (changed(STEP, "step = [1]"), ["time.step: ", "[1]"]),
         (changed(STEP, 'step = ""'), ["time.step: "]),
@@ -225,11 +228,11 @@ def test_scene_that_is_not_there(scene: str, reasons: list[str], refuse: Refuse)
         (changed(MASS, "mass = 1e999"), ["components.payload.start.mass: ", "inf"]),
         (changed(MASS, "mass = [2026-01-01]"), ["components.payload.start.mass: ", "2026"]),
         (changed(MASS, 'mass = ""'), ["components.payload.start.mass: "]),
-        (SCENE + "[record]\nvariables = [2026-01-01]", ["record.variables"]),
-        (SCENE + '[record]\nvariables = "*"', ["record.variables: ", "list"]),
-        (SCENE + "[record]\nevery = 0", ["record.every: "]),
-        (SCENE + '[master]\nlaws = "hold"', ["master.laws: ", "held"]),
-        (SCENE + '[master]\nkind = "gaus-seidel"', ["master.kind: ", "'gauss-seidel'?"]),
+        (SCENARIO + "[record]\nvariables = [2026-01-01]", ["record.variables"]),
+        (SCENARIO + '[record]\nvariables = "*"', ["record.variables: ", "list"]),
+        (SCENARIO + "[record]\nevery = 0", ["record.every: "]),
+        (SCENARIO + '[master]\nlaws = "hold"', ["master.laws: ", "held"]),
+        (SCENARIO + '[master]\nkind = "gaus-seidel"', ["master.kind: ", "'gauss-seidel'?"]),
         # parts and variables
         (changed(PART, 'fmu = "paylod"'), ["components.payload.fmu: ", "did you mean 'payload'?"]),
         (changed(PART, 'fmu = "p/payload.fmu"'), ["components.payload.fmu: ", "no such file"]),
@@ -242,10 +245,10 @@ def test_scene_that_is_not_there(scene: str, reasons: list[str], refuse: Refuse)
         (changed(MASS, "mas = 1"), ["components.payload.start.mas: ", "did you mean 'mass'?"]),
         (changed(MASS, "velocity = 1"), ["components.payload.start.velocity: ", "an output"]),
         (
-            SCENE + '[record]\nvariables = ["payload.velocty"]',
+            SCENARIO + '[record]\nvariables = ["payload.velocty"]',
             ["record.variables[0]", "velocity'"],
         ),
-        (SCENE + '[master]\norder = ["payload", "payload"]', ["master.order: ", "twice"]),
+        (SCENARIO + '[master]\norder = ["payload", "payload"]', ["master.order: ", "twice"]),
         # units and bounds
         (changed(STEP, 'step = "50 kg"'), ["time.step: ", "expected a quantity in s", "'50 kg'"]),
         (changed(STEP, 'step = "1 fortnite"'), ["time.step: ", "expected a quantity in s"]),
@@ -268,7 +271,9 @@ def test_scene_that_is_not_there(scene: str, reasons: list[str], refuse: Refuse)
     ],
     ids=label,
 )
-def test_bad_scene_is_one_line(text: str, reasons: list[str], refuse: Refuse, desk: Path) -> None:
+def test_bad_scenario_is_one_line(
+    text: str, reasons: list[str], refuse: Refuse, desk: Path
+) -> None:
     (desk / "bad.toml").write_text(text)
     (line,) = refuse("bad.toml")
     assert "bad.toml: " in line
@@ -303,9 +308,9 @@ def test_bad_scene_is_one_line(text: str, reasons: list[str], refuse: Refuse, de
         (changed(PART, f"{PART}\nmemory = {{}}"), ["payload.memory: ", "got {}"]),
         (changed(PART, f"{PART}\npatiense = 1"), ["payload.patiense: ", "'patience'?"]),
         # actions
-        ("actions = 3\n" + SCENE, ["actions: expected a list of tables, written [[actions]]"]),
-        ("actions = {}\n" + SCENE, ["actions: expected a list of tables, written [[actions]]"]),
-        ("actions = [3]\n" + SCENE, ["actions.0: expected a table with at and a table set"]),
+        ("actions = 3\n" + SCENARIO, ["actions: expected a list of tables, written [[actions]]"]),
+        ("actions = {}\n" + SCENARIO, ["actions: expected a list of tables, written [[actions]]"]),
+        ("actions = [3]\n" + SCENARIO, ["actions.0: expected a table with at and a table set"]),
         (acting(AT, ""), ["actions.0.at: is missing"]),
         (acting(AT, "at = true"), ["actions.0.at: ", "got True"]),
         (acting(AT, "at = nan"), ["actions.0.at: nan is not a finite number"]),
@@ -347,11 +352,11 @@ def test_bad_scene_is_one_line(text: str, reasons: list[str], refuse: Refuse, de
         (mastered("iterative", "degree = 2"), ["which takes acceleration, relaxation, settled"]),
         (mastered("interface-newton", "relaxation = 0.5"), ["which takes settled, passes"]),
         # record.last
-        (SCENE + "[record]\nlast = 0", ["record.last: must be above zero"]),
-        (SCENE + '[record]\nlast = "-1 ms"', ["record.last: must be above zero"]),
-        (SCENE + "[record]\nlast = true", ["record.last: ", "got True"]),
-        (SCENE + "[record]\nlast = nan", ["record.last: nan is not a finite number"]),
-        (SCENE + '[record]\nlast = ""', ["record.last: ", "got ''"]),
+        (SCENARIO + "[record]\nlast = 0", ["record.last: must be above zero"]),
+        (SCENARIO + '[record]\nlast = "-1 ms"', ["record.last: must be above zero"]),
+        (SCENARIO + "[record]\nlast = true", ["record.last: ", "got True"]),
+        (SCENARIO + "[record]\nlast = nan", ["record.last: nan is not a finite number"]),
+        (SCENARIO + '[record]\nlast = ""', ["record.last: ", "got ''"]),
     ],
     ids=label,
 )
@@ -413,17 +418,17 @@ def test_good_actions_and_holds_of_every_type_run(desk: Path, library: Path) -> 
 @pytest.mark.parametrize(
     ("text", "reasons"),
     [
-        (SCENE + '[record]\nlast = "1 kg"', ["record.last: ", "in s", "'1 kg'"]),
-        (SCENE + '[record]\nlast = "2 cycles"', ["record.last: ", "give time.frequency"]),
+        (SCENARIO + '[record]\nlast = "1 kg"', ["record.last: ", "in s", "'1 kg'"]),
+        (SCENARIO + '[record]\nlast = "2 cycles"', ["record.last: ", "give time.frequency"]),
         (changed("force.value", "force.valeu"), ["hold.payload.force.valeu: ", "force.value'?"]),
         (changed("payload.force.value", "paylod.force.value"), ["hold.paylod", "'payload'?"]),
-        (SCENE + '[master]\norder = ["paylod"]', ["master.order: ", "did you mean 'payload'?"]),
+        (SCENARIO + '[master]\norder = ["paylod"]', ["master.order: ", "did you mean 'payload'?"]),
         (changed("0.1 N", "0.1 V"), ["hold.payload.force.value: ", "in N", "'0.1 V'"]),
         (changed(TIME, 'frequency = "0 Hz"'), ["time.frequency: must be above zero"]),
     ],
     ids=label,
 )
-def test_bad_scene_is_named_beside_what_follows_from_it(
+def test_bad_scenario_is_named_beside_what_follows_from_it(
     text: str, reasons: list[str], refuse: Refuse, desk: Path
 ) -> None:
     (desk / "bad.toml").write_text(text)
@@ -458,7 +463,7 @@ def test_bad_wire_is_named(wire: str, reasons: list[str], refuse: Refuse, desk: 
 
 
 def test_input_held_and_wired_is_refused(refuse: Refuse, desk: Path) -> None:
-    (desk / "bad.toml").write_text(SCENE + TWO)
+    (desk / "bad.toml").write_text(SCENARIO + TWO)
     lines = refuse("bad.toml")
     assert any("hold.payload.force.value: is wired too, by wires[0]" in line for line in lines)
 
@@ -479,27 +484,31 @@ def test_all_problems_come_at_once(refuse: Refuse, desk: Path) -> None:
 @pytest.mark.parametrize(
     ("base", "top", "reason"),
     [
-        (SCENE, 'extends = "bad.toml"', "extends itself: bad.toml -> bad.toml"),
+        (SCENARIO, 'extends = "bad.toml"', "extends itself: bad.toml -> bad.toml"),
         ('extends = "bad.toml"', 'extends = "base.toml"', "extends itself: bad.toml -> base.toml"),
-        (SCENE, "extends = 3", "extends: "),
-        (SCENE, 'extends = "bsae.toml"', "bsae.toml: no such scene file"),
-        (SCENE, 'extends = "oscilator-1"', "did you mean 'oscillator-1'?"),
-        (SCENE, 'extends = "a\\u001b[31m.toml"', "a\\x1b"),
-        (SCENE, 'extends = "a\\u0000.toml"', "no such scene file"),
-        (SCENE, f'extends = "{"n" * 300}.toml"', "nnn"),
-        (SCENE, 'extends = "base.toml"\nwithout = ["paylod"]', "without: no component 'paylod'"),
-        (SCENE, 'extends = "base.toml"\nwithout = "payload"', "without: expected a list"),
-        (SCENE, 'extends = "base.toml"\nwithout = [["payload"]]', "without"),
-        (SCENE, 'extends = "base.toml"\nwithout = [1]', "without"),
-        (SCENE, SCENE.join(['without = ["payload"]\n', ""]), "without: "),
-        (SCENE, 'extends = "base.toml"\nwires = 3', "wires: "),
-        (SCENE, 'extends = "base.toml"\nwires = [3]', "wires"),
+        (SCENARIO, "extends = 3", "extends: "),
+        (SCENARIO, 'extends = "bsae.toml"', "bsae.toml: no such scenario file"),
+        (SCENARIO, 'extends = "oscilator-1"', "did you mean 'oscillator-1'?"),
+        (SCENARIO, 'extends = "a\\u001b[31m.toml"', "a\\x1b"),
+        (SCENARIO, 'extends = "a\\u0000.toml"', "no such scenario file"),
+        (SCENARIO, f'extends = "{"n" * 300}.toml"', "nnn"),
+        (SCENARIO, 'extends = "base.toml"\nwithout = ["paylod"]', "without: no component 'paylod'"),
+        (SCENARIO, 'extends = "base.toml"\nwithout = "payload"', "without: expected a list"),
+        (SCENARIO, 'extends = "base.toml"\nwithout = [["payload"]]', "without"),
+        (SCENARIO, 'extends = "base.toml"\nwithout = [1]', "without"),
+        (SCENARIO, SCENARIO.join(['without = ["payload"]\n', ""]), "without: "),
+        (SCENARIO, 'extends = "base.toml"\nwires = 3', "wires: "),
+        (SCENARIO, 'extends = "base.toml"\nwires = [3]', "wires"),
         ("hold = 3", 'extends = "base.toml"\nwires = []', "hold: "),
         ("components = 3", 'extends = "base.toml"\nwithout = ["payload"]', "components: "),
-        ("wires = [3]\n" + SCENE, 'extends="base.toml"\nwithout=["payload"]', "wires"),
-        ("wires = 3\n" + SCENE, 'extends="base.toml"\nwithout=["payload"]', "wires: "),
-        ("record = 3\n" + SCENE, 'extends="base.toml"\nwithout=["payload"]', "record: "),
-        ("record.variables = [3]\n" + SCENE, 'extends="base.toml"\nwithout=["payload"]', "record."),
+        ("wires = [3]\n" + SCENARIO, 'extends="base.toml"\nwithout=["payload"]', "wires"),
+        ("wires = 3\n" + SCENARIO, 'extends="base.toml"\nwithout=["payload"]', "wires: "),
+        ("record = 3\n" + SCENARIO, 'extends="base.toml"\nwithout=["payload"]', "record: "),
+        (
+            "record.variables = [3]\n" + SCENARIO,
+            'extends="base.toml"\nwithout=["payload"]',
+            "record.",
+        ),
         ("a." * 3000 + "x = 1", 'extends = "base.toml"\n' + "a." * 3000 + "y = 1", ""),
     ],
     ids=label,
@@ -522,14 +531,14 @@ def test_unit_that_would_compute_for_ever_is_refused(refuse: Refuse, desk: Path)
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
-        (SCENE.encode("utf-16"), "UTF-8"),
+        (SCENARIO.encode("utf-16"), "UTF-8"),
         (b"title = '\xff\xfe'\n", "UTF-8"),
         (b"title = 'a\x00b'\n", "not TOML"),
         (b"#" * (2 << 20), "larger than"),
     ],
     ids=label,
 )
-def test_scene_of_bad_bytes(data: bytes, reason: str, refuse: Refuse, desk: Path) -> None:
+def test_scenario_of_bad_bytes(data: bytes, reason: str, refuse: Refuse, desk: Path) -> None:
     (desk / "bad.toml").write_bytes(data)
     (line,) = refuse("bad.toml")
     assert "bad.toml: " in line
@@ -573,11 +582,11 @@ def test_folder_in_the_place_of_the_result_is_refused(desk: Path, library: Path)
     assert (code, lines) == (2, ["resilin: out.nc: is a folder; name a file"])
 
 
-@pytest.mark.parametrize("scene", ["bad.toml", "nowhere"])
-def test_earlier_result_outlives_a_refused_run(scene: str, desk: Path, library: Path) -> None:
+@pytest.mark.parametrize("scenario", ["bad.toml", "nowhere"])
+def test_earlier_result_outlives_a_refused_run(scenario: str, desk: Path, library: Path) -> None:
     (desk / "bad.toml").write_text(changed(MASS, "mas = 1"))
     (desk / "out.nc").write_bytes(b"earlier")
-    assert invoke(library, scene)[0] == 2
+    assert invoke(library, scenario)[0] == 2
     assert (desk / "out.nc").read_bytes() == b"earlier"
 
 
@@ -591,7 +600,7 @@ def test_earlier_result_outlives_a_refused_run(scene: str, desk: Path, library: 
     ],
     ids=label,
 )
-def test_option_on_a_bad_scene_is_refused(
+def test_option_on_a_bad_scenario_is_refused(
     text: str, option: list[str], refuse: Refuse, desk: Path
 ) -> None:
     (desk / "bad.toml").write_text(text)

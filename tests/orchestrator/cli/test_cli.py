@@ -14,7 +14,7 @@ import xarray
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-from orchestrator.scenario.files import scene_names, scene_path
+from orchestrator.scenario.files import scenario_names, scenario_path
 
 runner = CliRunner()
 
@@ -39,7 +39,7 @@ def test_set_changes_a_start_value(library: Path, tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert done.output == ""
     with xarray.open_dataset(target) as data:
-        assert "3 g" in data.attrs["scene"]
+        assert "3 g" in data.attrs["scenario"]
 
 
 def test_a_failed_run_leaves_a_partial_file_only(library: Path, tmp_path: Path) -> None:
@@ -52,7 +52,7 @@ def test_a_failed_run_leaves_a_partial_file_only(library: Path, tmp_path: Path) 
 
 
 def test_scenes_are_listed() -> None:
-    done = runner.invoke(app, ["scenes"])
+    done = runner.invoke(app, ["scenarios"])
     assert done.exit_code == 0
     assert "flapping-full-wings" in done.output
 
@@ -124,11 +124,11 @@ def test_plot_draws_what_matches(library: Path, tmp_path: Path) -> None:
     assert runner.invoke(app, ["plot", str(tmp_path / "none.nc")]).exit_code == 2
 
 
-def test_schema_accepts_every_shipped_scene() -> None:
-    """The schema is for editors, so it has to fit the scenes that there are."""
+def test_schema_accepts_every_shipped_scenario() -> None:
+    """The schema is for editors, so it has to fit the scenarios that there are."""
     schema = json.loads(runner.invoke(app, ["schema"]).stdout)
-    for name in scene_names():
-        tree = tomllib.loads(scene_path(name).read_text(encoding="utf-8"))
+    for name in scenario_names():
+        tree = tomllib.loads(scenario_path(name).read_text(encoding="utf-8"))
         jsonschema.validate(tree, schema)
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({"tiem": {}}, schema)

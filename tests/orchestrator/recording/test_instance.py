@@ -13,11 +13,11 @@ from recordings import CASES, difference, replayed
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-from orchestrator.errors import InitialisationError, InputError, SceneError, UnitFailure
-from orchestrator.recording.instance import Recorded
+from orchestrator.errors import InitialisationError, InputError, InstanceFailure, ScenarioError
+from orchestrator.recording.instance import RecordingInstance
 from orchestrator.recording.recording import open_recording
 from orchestrator.results.outcome import Outcome
-from orchestrator.results.port_recording import taped, write_tape
+from orchestrator.results.port_recording import with_recorded_ports, write_port_recording
 from orchestrator.scenario.inspection import facts
 from orchestrator.scenario.parse import load_scenario
 from orchestrator.scenario.schema import Component
@@ -52,9 +52,9 @@ def sampled(function: object, stop: float = 0.1, count: int = 101) -> str:
     return "".join(f"{t!r},{y!r}\n" for t, y in zip(times.tolist(), values.tolist(), strict=True))
 
 
-def scene(folder: Path, rows: str, keys: str = "", text: str = PUSH) -> Path:
+def scenario(folder: Path, rows: str, keys: str = "", text: str = PUSH) -> Path:
     (folder / "bench.csv").write_text(rows)
-    path = folder / "scene.toml"
+    path = folder / "scenario.toml"
     path.write_text(text.replace("KEYS", keys))
     return path
 
@@ -66,7 +66,7 @@ def sine(t: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("kind", sorted(MASTERS))
 def test_a_force_moves_a_mass_by_every_master(library: Path, tmp_path: Path, kind: str) -> None:
     """x = t/w - sin(w t)/w^2 under sin(w t) on 1 kg; laws come from the interpolant."""
-    path = scene(tmp_path, HEAD + sampled(sine))
+    path = scenario(tmp_path, HEAD + sampled(sine))
     done = run(load(path, None, library, master={"kind": kind}))
     assert done.failure is None
     w, t = 20.0 * np.pi, done.times
@@ -75,7 +75,7 @@ def test_a_force_moves_a_mass_by_every_master(library: Path, tmp_path: Path, kin
 
 
 def test_steps_of_any_size(library: Path, tmp_path: Path) -> None:
-    path = scene(tmp_path, HEAD + sampled(sine))
+    path = scenario(tmp_path, HEAD + sampled(sine))
     done = run(load(path, None, library, time={"tolerance": 1e-4}))
     assert done.failure is None
     assert done.series("payload.displacement")[-1] == pytest.approx(0.1 / (20 * np.pi), rel=1e-3)
@@ -84,7 +84,7 @@ def test_steps_of_any_size(library: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["held", "linear", "cubic", "band-limited"])
 def test_the_curvature_carries_the_whole_impulse(library: Path, tmp_path: Path, kind: str) -> None:
     """At a tenth of the record's rate the mass still receives the integral of what is between."""
-    path = scene(tmp_path, HEAD + sampled(sine), f'interpolation = "{kind}"')
+    path = scenario(tmp_path, HEAD + sampled(sine), f'interpolation = "{kind}"')
     fine = run(load(path, None, library, time={"step": 1e-4}))
     coarse = run(load(path, None, library, time={"step": 1e-2}))
     at = [np.argmin(np.abs(fine.times - t)) for t in coarse.times]
@@ -105,7 +105,7 @@ LAWS = {
 def test_members_of_a_law_are_derived(tmp_path: Path, member: str) -> None:
     path = tmp_path / "bench.csv"
     path.write_text(f"time,top.{member}\n0,0\n1,2\n2,8\n")
-    found = open_recording(Component(data="bench.csv"), tmp_path / "scene.toml")
+    found = open_recording(Component(data="bench.csv"), tmp_path / "scenario.toml")
     derived = {v.name: v.order for v in found.interface.variables.values()}
     assert derived == {f"top.{member}": 0, **LAWS[member]}
 
@@ -142,19 +142,19 @@ def test_announced_events_come_back_with_offset_and_repetition(tmp_path: Path) -
 
 def test_where_the_record_ends_the_run_stops_and_says_so(library: Path, tmp_path: Path) -> None:
     rows = HEAD + sampled(sine, stop=0.05)
-    done = run(load(scene(tmp_path, rows), None, library))
-    assert isinstance(done.failure, UnitFailure)
+    done = run(load(scenario(tmp_path, rows), None, library))
+    assert isinstance(done.failure, InstanceFailure)
     assert "bench.csv ends at t = 0.05 s; after" in str(done.failure)
     assert done.times[-1] == pytest.approx(0.05)
     for keys in ('after = "hold"', 'after = "zero"', "repeat = true", 'repeat = "0.06 s"'):
-        assert run(load(scene(tmp_path, rows, keys), None, library)).failure is None
+        assert run(load(scenario(tmp_path, rows, keys), None, library)).failure is None
 
 
 def test_before_the_record_the_run_does_not_start(library: Path, tmp_path: Path) -> None:
-    path = scene(tmp_path, HEAD + sampled(sine, 0.2), 'offset = "20 ms"\nbefore = "stop"')
+    path = scenario(tmp_path, HEAD + sampled(sine, 0.2), 'offset = "20 ms"\nbefore = "stop"')
     with pytest.raises(InitialisationError, match=r"begins at t = 0\.02 s only; before ="):
         run(load(path, None, library))
-    path = scene(tmp_path, HEAD + "0,1\n0.2,1\n", 'offset = "20.3 ms"\nbefore = "zero"')
+    path = scenario(tmp_path, HEAD + "0,1\n0.2,1\n", 'offset = "20.3 ms"\nbefore = "zero"')
     done = run(load(path, None, library))
     velocity = done.series("payload.velocity")[-1]
     assert velocity == pytest.approx(0.1 - 0.0203, rel=1e-12), "the step is cut where it begins"
@@ -163,7 +163,7 @@ def test_before_the_record_the_run_does_not_start(library: Path, tmp_path: Path)
 def test_a_saved_state_is_gone_back_to(tmp_path: Path) -> None:
     (tmp_path / "b.csv").write_text(HEAD + "0,0\n1,1\n")
     found = open_recording(Component(data="b.csv"), tmp_path / "s.toml")
-    unit, values = Recorded("bench", found), np.zeros(1)
+    unit, values = RecordingInstance("bench", found), np.zeros(1)
     unit.connect([], np.zeros(0), [[found.interface.variables["force.value"]]], values)
     unit.prepare({}, 0.0, 1.0, None)
     unit.step(0.0, 0.25)
@@ -175,7 +175,7 @@ def test_a_saved_state_is_gone_back_to(tmp_path: Path) -> None:
     unit.receive()
     assert values[0] == pytest.approx(0.25)
     assert (unit.steps, unit.rollbacks) == (2, 1)
-    with pytest.raises(UnitFailure, match="no parameter 'gain'"):
+    with pytest.raises(InstanceFailure, match="no parameter 'gain'"):
         unit.set({"gain": 1.0})
     unit.forget(state)
     unit.close()
@@ -183,13 +183,15 @@ def test_a_saved_state_is_gone_back_to(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def tape(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Four cycles of every part of two scenes: SCENE-PART.csv and .nc."""
+    """Four cycles of every part of two scenarios: SCENARIO-PART.csv and .nc."""
     folder = tmp_path_factory.mktemp("tapes")
     for name, parts in CASES.items():
         for part in parts:
-            done = run(taped(load(name, None, library, time={"stop": "4 cycles"}), part))
-            write_tape(done, folder / f"{name}-{part}.csv")
-            write_tape(done, folder / f"{name}-{part}.nc")
+            done = run(
+                with_recorded_ports(load(name, None, library, time={"stop": "4 cycles"}), part)
+            )
+            write_port_recording(done, folder / f"{name}-{part}.csv")
+            write_port_recording(done, folder / f"{name}-{part}.nc")
     return folder
 
 
@@ -221,23 +223,23 @@ def test_a_part_gives_way_to_its_recording(
         assert difference(originals[name], done, compared) < BARE[part]
 
 
-def test_a_scene_that_replaces_one_part_lets_go_of_what_it_had(
+def test_a_scenario_that_replaces_one_part_lets_go_of_what_it_had(
     library: Path, tmp_path: Path, tape: Path
 ) -> None:
-    path = tmp_path / "scene.toml"
+    path = tmp_path / "scenario.toml"
     path.write_text(
         f'extends = "oscillator-1"\n[components.amplifier]\n'
         f'data = "{tape / "oscillator-1-amplifier.csv"}"\n'
         '[[actions]]\nat = "1 cycle"\nset = { "amplifier.amplitude" = "1 kV" }\n'
     )
     plan = load(path, None, library)
-    told = "\n".join(plan.let_go)
+    told = "\n".join(plan.dropped)
     assert "wire spring.top -> amplifier.top: a recording has no inputs" in told
     assert "hold amplifier.command.top: a recording has no inputs" in told
     assert "record amplifier.supplied_energy: not in the recording" in told
     assert "action on amplifier.amplitude at 1 cycle" in told
     assert plan.frequency == 51.8
-    assert facts(plan)["let_go"] == plan.let_go
+    assert facts(plan)["dropped"] == plan.dropped
     assert "amplifier.top.voltage" in [f"{c}.{v.name}" for c, v in plan.records]
     shown = runner.invoke(app, ["inspect", str(path), "--fmus", str(library)])
     assert "let go" in shown.output
@@ -245,10 +247,10 @@ def test_a_scene_that_replaces_one_part_lets_go_of_what_it_had(
 
 def test_a_port_that_was_not_recorded_is_told_or_held(library: Path, tmp_path: Path) -> None:
     (tmp_path / "bench.csv").write_text("time,force.valeu [N]\n0,0\n1,1\n")
-    path = tmp_path / "scene.toml"
+    path = tmp_path / "scenario.toml"
     text = 'extends = "oscillator-1"\n[time]\nstop = 0.1\n[components.spring]\ndata = "bench.csv"\n'
     path.write_text(text)
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(ScenarioError) as caught:
         load(path, None, library)
     assert "has no column force.value; did you mean 'force.valeu'?" in str(caught.value)
     assert 'hold "amplifier.top.charge"' in str(caught.value)
@@ -257,7 +259,7 @@ def test_a_port_that_was_not_recorded_is_told_or_held(library: Path, tmp_path: P
         '[hold]\n"amplifier.top.charge" = 0\n"amplifier.bottom.charge" = 0\n'
     )
     assert "wire spring.top -> amplifier.top: not in the recording; held instead" in "".join(
-        load(path, None, library).let_go
+        load(path, None, library).dropped
     )
 
 
@@ -283,21 +285,21 @@ def test_a_port_that_was_not_recorded_is_told_or_held(library: Path, tmp_path: P
 def test_what_does_not_fit_is_told(
     library: Path, tmp_path: Path, rows: str, keys: str, words: list[str]
 ) -> None:
-    with pytest.raises(SceneError) as caught:
-        load(scene(tmp_path, rows, keys), None, library)
+    with pytest.raises(ScenarioError) as caught:
+        load(scenario(tmp_path, rows, keys), None, library)
     for word in words:
         assert word in str(caught.value)
 
 
 def test_keys_of_a_recording_mean_nothing_to_an_fmu(tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
+    path = tmp_path / "scenario.toml"
     path.write_text('[components.a]\nfmu = "payload"\noffset = 1.0\n')
-    with pytest.raises(SceneError, match="offset: means nothing without data"):
+    with pytest.raises(ScenarioError, match="offset: means nothing without data"):
         load_scenario(path)
 
 
-def test_a_recording_stays_beside_the_scene_that_names_it(library: Path, tmp_path: Path) -> None:
-    base = scene(tmp_path, HEAD + sampled(sine))
+def test_a_recording_stays_beside_the_scenario_that_names_it(library: Path, tmp_path: Path) -> None:
+    base = scenario(tmp_path, HEAD + sampled(sine))
     (tmp_path / "deep").mkdir()
     top = tmp_path / "deep" / "top.toml"
     top.write_text(f'extends = "../{base.name}"\n[components.bench]\ninterpolation = "linear"\n')
@@ -306,7 +308,7 @@ def test_a_recording_stays_beside_the_scene_that_names_it(library: Path, tmp_pat
 
 def test_faults_strike_a_recording_too(library: Path, tmp_path: Path) -> None:
     fault = '[[faults]]\nat = 0.0\non = "bench.force.value"\nkind = "bias"\nsize = "1 N"\n'
-    path = scene(tmp_path, HEAD + "0,0\n0.2,0\n")
+    path = scenario(tmp_path, HEAD + "0,0\n0.2,0\n")
     path.write_text(path.read_text() + fault)
     done = run(load(path, None, library))
     assert done.series("payload.velocity")[-1] == pytest.approx(0.1, rel=0.02)
@@ -315,7 +317,7 @@ def test_faults_strike_a_recording_too(library: Path, tmp_path: Path) -> None:
 def test_a_unit_loads_once_and_states_are_those_of_the_system(
     library: Path, tmp_path: Path
 ) -> None:
-    with System(load(scene(tmp_path, HEAD + sampled(sine)), None, library)) as system:
+    with System(load(scenario(tmp_path, HEAD + sampled(sine)), None, library)) as system:
         moment = system.save()
         system.restore(moment)
         system.forget(moment)
@@ -352,7 +354,7 @@ def test_a_run_that_stopped_leaves_a_partial_recording(library: Path, tmp_path: 
 
 def test_a_part_without_numbers_has_nothing_to_record(library: Path) -> None:
     with pytest.raises(InputError, match="no such component"):
-        taped(load("oscillator-1", None, library), "wing")
+        with_recorded_ports(load("oscillator-1", None, library), "wing")
 
 
 def test_nothing_of_recordings_is_loaded_without_one(library: Path) -> None:

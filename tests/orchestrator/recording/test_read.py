@@ -61,7 +61,7 @@ def test_pieces_join(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_array_equal(table.values[:, 0], np.arange(7.0) ** 2)
 
 
-def test_columns_are_named_and_given_units_by_the_scene(tmp_path: Path) -> None:
+def test_columns_are_named_and_given_units_by_the_scenario(tmp_path: Path) -> None:
     content = "Zeit,F (N),remark,x\n0,1,start,7\n1,2,,8\n"
     table = read(
         tmp_path,

@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from orchestrator.report.page import write
 from orchestrator.studies.paper.animation import flight
-from orchestrator.studies.paper.cached_runs import Lab
+from orchestrator.studies.paper.cached_runs import CachedRuns
 from orchestrator.studies.paper.figure7 import figure7
 from orchestrator.studies.paper.figure13 import figure13
 from orchestrator.studies.paper.page import figures, page
@@ -41,7 +41,7 @@ def browser() -> Iterator[Browser]:
 @pytest.fixture(scope="module")
 def found(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Reproduction:
     """A report of a few runs with all kinds of parts: tables, plots, the animation."""
-    with Lab(library, Store(tmp_path_factory.mktemp("runs")), workers=1) as lab:
+    with CachedRuns(library, Store(tmp_path_factory.mktemp("runs")), workers=1) as lab:
         return Reproduction([figure7(lab), figure13(lab), flight(lab)], 0, 0.0)
 
 

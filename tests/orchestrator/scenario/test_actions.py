@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.errors import SceneError
+from orchestrator.errors import ScenarioError
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import MASTERS
 from orchestrator.simulation.run import run
@@ -34,9 +34,9 @@ set = { "mass.force.value" = 0 }
 @pytest.mark.parametrize("kind", sorted(MASTERS))
 def test_a_held_force_acts_between_its_times(library: Path, tmp_path: Path, kind: str) -> None:
     """Steps end at the actions though these lie between points: 2 m/s2 over half a second."""
-    scene = tmp_path / "mass.toml"
-    scene.write_text(MASS)
-    done = run(load(scene, None, library, master={"kind": kind}))
+    scenario = tmp_path / "mass.toml"
+    scenario.write_text(MASS)
+    done = run(load(scenario, None, library, master={"kind": kind}))
     assert done.failure is None
     velocity = np.interp(done.times, [0.0, 0.25, 0.75, 1.0], [0.0, 0.0, 1.0, 1.0])
     assert done.series("mass.velocity") == pytest.approx(velocity, abs=1e-12)
@@ -49,27 +49,27 @@ def test_actions_survive_steps_that_are_taken_again(
 ) -> None:
     """An adaptive run ends steps at actions, and a rejected step has not carried them out."""
     foreign("MASS", tmp_path, rollback=rollback)
-    scene = tmp_path / "mass.toml"
+    scenario = tmp_path / "mass.toml"
     text = MASS.replace('"payload"', '"./mass.fmu"').replace("mass.force.value", "mass.force")
     text += '[components.spring]\nfmu = "spring"\nstart = { blocked_force = 0.0 }\n'
     text += '[[wires]]\nfrom = "mass.displacement"\nto = "spring.motion.displacement"\n'
     text += '[record]\nvariables = ["mass.velocity"]\n'
-    scene.write_text(
+    scenario.write_text(
         text.replace("[hold]", '[hold]\n"spring.top.voltage" = 0\n"spring.bottom.voltage" = 0')
     )
-    done = run(load(scene, None, library, time={"tolerance": 1e-4}))
+    done = run(load(scenario, None, library, time={"tolerance": 1e-4}))
     assert done.failure is None
     assert {0.25, 0.75} <= set(np.round(done.points, 12).tolist())
     assert done.series("mass.velocity")[-1] == pytest.approx(1.0, abs=1e-9)
 
 
 def test_a_tunable_parameter_changes_the_drive(library: Path, tmp_path: Path) -> None:
-    scene = tmp_path / "half.toml"
-    scene.write_text(
+    scenario = tmp_path / "half.toml"
+    scenario.write_text(
         'extends = "oscillator-1"\n[time]\nstop = "4 cycles"\n'
         '[[actions]]\nat = "2 cycles"\nset = { "amplifier.amplitude" = "960 V" }\n'
     )
-    done = run(load(scene, None, library))
+    done = run(load(scenario, None, library))
     voltage = done.series("amplifier.top.voltage")
     half = len(voltage) // 2
     assert voltage[:half].max() > 1800.0
@@ -77,18 +77,18 @@ def test_a_tunable_parameter_changes_the_drive(library: Path, tmp_path: Path) ->
 
 
 def test_a_parameter_out_of_bounds_stops_the_run(library: Path, tmp_path: Path) -> None:
-    """The unit itself refuses what the scene could not see; here a scene that lies about it."""
-    scene = tmp_path / "bad.toml"
-    scene.write_text(
+    """The instance itself refuses what the scenario could not see; here the scenario is wrong."""
+    scenario = tmp_path / "bad.toml"
+    scenario.write_text(
         'extends = "oscillator-1"\n[time]\nstop = "4 cycles"\n'
         '[[actions]]\nat = "2 cycles"\nset = { "amplifier.amplitude" = "-5 V" }\n'
     )
     with pytest.raises(Exception, match=r"actions\[0\].set.amplifier.amplitude: '-5 V' is outside"):
-        load(scene, None, library)
+        load(scenario, None, library)
 
 
 def test_an_action_that_changes_nothing_is_refused(library: Path, tmp_path: Path) -> None:
-    scene = tmp_path / "empty.toml"
-    scene.write_text('extends = "oscillator-1"\n[[actions]]\nat = 0.1\nset = {}\n')
-    with pytest.raises(SceneError, match=r"actions\[0\].set: is empty"):
-        load(scene, None, library)
+    scenario = tmp_path / "empty.toml"
+    scenario.write_text('extends = "oscillator-1"\n[[actions]]\nat = 0.1\nset = {}\n')
+    with pytest.raises(ScenarioError, match=r"actions\[0\].set: is empty"):
+        load(scenario, None, library)

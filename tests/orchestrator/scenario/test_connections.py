@@ -1,4 +1,4 @@
-"""Scenes held against FMUs: ports, laws, units, time."""
+"""Scenarios held against FMUs: ports, laws, units, time."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.errors import SceneError
-from orchestrator.scenario.files import scene_names
+from orchestrator.errors import ScenarioError
+from orchestrator.scenario.files import scenario_names
 from orchestrator.scenario.plan import Plan
 from orchestrator.simulation.load import load
 
 
-@pytest.mark.parametrize("name", scene_names())
-def test_every_shipped_scene_fits_its_fmus(library: Path, name: str) -> None:
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_shipped_scenario_fits_its_fmus(library: Path, name: str) -> None:
     plan = load(name, None, library)
     assert plan.grid.count > 0
     assert plan.records
@@ -35,7 +35,7 @@ def test_laws_choose_the_members_that_are_wired(library: Path) -> None:
     assert names["held"] < names["affine"] < names["curvature"]
 
 
-SCENE = """
+SCENARIO = """
 [time]
 stop = 0.01
 step = 1e-4
@@ -47,26 +47,26 @@ fmu = "payload"
 
 
 def written(folder: Path, text: str) -> Path:
-    path = folder / "scene.toml"
-    path.write_text(SCENE + text)
+    path = folder / "scenario.toml"
+    path.write_text(SCENARIO + text)
     return path
 
 
 def test_a_plain_number_stands_in_for_a_law(library: Path, tmp_path: Path) -> None:
     """A variable wired to a port feeds its first member; the rest keeps its start values."""
-    scene = written(
+    scenario = written(
         tmp_path,
         '[[wires]]\nfrom = "other.force_work"\nto = "payload.force.value"\n'
         'gain = 2.0\n[hold]\n"other.force.value" = "1 N"\n',
     )
-    with pytest.raises(SceneError, match="J is not convertible to N"):
-        load(scene, None, library)
-    scene = written(
+    with pytest.raises(ScenarioError, match="J is not convertible to N"):
+        load(scenario, None, library)
+    scenario = written(
         tmp_path,
         '[[wires]]\nfrom = "other.displacement"\nto = "payload.force.reference_displacement"\n'
         '[hold]\n"other.force.value" = "1 N"\n"payload.force.value" = "1 N"\n',
     )
-    assert wired(load(scene, None, library)) == {"payload.force.reference_displacement"}
+    assert wired(load(scenario, None, library)) == {"payload.force.reference_displacement"}
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_a_plain_number_stands_in_for_a_law(library: Path, tmp_path: Path) -> No
     ],
 )
 def test_the_grid(library: Path, tmp_path: Path, time: str, count: int, stop: float) -> None:
-    path = tmp_path / "scene.toml"
+    path = tmp_path / "scenario.toml"
     path.write_text(
         f'[time]\n{time}\n[components.payload]\nfmu = "payload"\n'
         '[hold]\n"payload.force.value" = 0\n'

@@ -1,4 +1,4 @@
-"""Order of stepping from the wires, where a scene gives none."""
+"""Order of stepping from the wires, where a scenario gives none."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ step = 0.1
 """
 
 
-def scene(folder: Path, listed: str, wires: str, held: str) -> Path:
+def scenario(folder: Path, listed: str, wires: str, held: str) -> Path:
     """GAINs named by letters, wired as `ab` says a to b."""
     foreign("GAIN", folder)
     text = CHAIN + "".join(f'[components.{name}]\nfmu = "./gain.fmu"\n' for name in listed)
@@ -25,7 +25,7 @@ def scene(folder: Path, listed: str, wires: str, held: str) -> Path:
         f'[[wires]]\nfrom = "{a}.y"\nto = "{b}.u"\ngain = 0.1\n' for a, b in wires.split()
     )
     text += "[hold]\n" + "".join(f'"{name}.u" = 1.0\n' for name in held)
-    path = folder / "scene.toml"
+    path = folder / "scenario.toml"
     path.write_text(text)
     return path
 
@@ -42,12 +42,12 @@ def scene(folder: Path, listed: str, wires: str, held: str) -> Path:
 def test_sources_first_loops_as_listed(
     tmp_path: Path, library: Path, listed: str, wires: str, held: str, order: str
 ) -> None:
-    plan = load(scene(tmp_path, listed, wires, held), None, library)
+    plan = load(scenario(tmp_path, listed, wires, held), None, library)
     assert "".join(plan.order) == order
 
 
 def test_a_given_order_is_kept(tmp_path: Path, library: Path) -> None:
-    path = scene(tmp_path, "cba", "ab bc", "a")
+    path = scenario(tmp_path, "cba", "ab bc", "a")
     assert load(path, None, library, master={"order": ["b", "c", "a"]}).order == ["b", "c", "a"]
 
 

@@ -1,4 +1,4 @@
-"""The scene language: inheritance, overrides, and all problems at once."""
+"""The scenario language: inheritance, overrides, and all problems at once."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.errors import SceneError
-from orchestrator.scenario.files import scene_names
+from orchestrator.errors import ScenarioError
+from orchestrator.scenario.files import scenario_names
 from orchestrator.scenario.parse import load_scenario
 from orchestrator.simulation.load import load
 
 
-@pytest.mark.parametrize("name", scene_names())
-def test_every_shipped_scene_is_well_formed(name: str) -> None:
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_shipped_scenario_is_well_formed(name: str) -> None:
     scenario, _ = load_scenario(name)
     assert scenario.title
     assert scenario.components
@@ -29,29 +29,29 @@ def test_full_wings_differ_from_no_wing_only_as_they_say() -> None:
 
 
 def test_without_drops_wires_holds_and_records(tmp_path: Path) -> None:
-    scene = tmp_path / "bare.toml"
-    scene.write_text(
+    scenario = tmp_path / "bare.toml"
+    scenario.write_text(
         'extends = "flapping-full-wings"\nwithout = ["aero"]\n'
         '[hold]\n"linkage.load.torque" = 0\n[master]\norder = ["amplifier", "spring", "linkage"]\n'
     )
-    scenario, _ = load_scenario(scene)
+    scenario, _ = load_scenario(scenario)
     assert "aero" not in scenario.components
     assert not [w for w in scenario.wires if "aero" in w.source + w.target]
     assert not [v for v in scenario.record.variables if v.startswith("aero")]
 
 
 def test_a_component_with_another_fmu_starts_afresh(tmp_path: Path) -> None:
-    scene = tmp_path / "swap.toml"
-    scene.write_text('extends = "oscillator-1"\n[components.spring]\nfmu = "membrane"\n')
-    scenario, _ = load_scenario(scene)
+    scenario = tmp_path / "swap.toml"
+    scenario.write_text('extends = "oscillator-1"\n[components.spring]\nfmu = "membrane"\n')
+    scenario, _ = load_scenario(scenario)
     assert scenario.components["spring"].start == {}
 
 
 def test_all_problems_come_at_once(tmp_path: Path) -> None:
-    scene = tmp_path / "bad.toml"
-    scene.write_text("titel = 'x'\n[time]\nstop = true\n[components.a]\nfmu = 'a'\nstrat = {}\n")
-    with pytest.raises(SceneError) as caught:
-        load_scenario(scene)
+    scenario = tmp_path / "bad.toml"
+    scenario.write_text("titel = 'x'\n[time]\nstop = true\n[components.a]\nfmu = 'a'\nstrat = {}\n")
+    with pytest.raises(ScenarioError) as caught:
+        load_scenario(scenario)
     text = str(caught.value)
     assert "did you mean 'title'" in text
     assert "did you mean 'start'" in text
@@ -62,14 +62,14 @@ def test_overrides_from_the_command_line() -> None:
     scenario, _ = load_scenario("oscillator-2", {"payload.mass": "3 g"}, master={"laws": "held"})
     assert scenario.components["payload"].start["mass"] == "3 g"
     assert scenario.master.laws == "held"
-    with pytest.raises(SceneError, match="did you mean 'payload'"):
+    with pytest.raises(ScenarioError, match="did you mean 'payload'"):
         load_scenario("oscillator-2", {"paylod.mass": "3 g"})
 
 
-def test_an_fmu_by_path_is_found_beside_the_scene_that_names_it(
+def test_an_fmu_by_path_is_found_beside_the_scenario_that_names_it(
     library: Path, tmp_path: Path
 ) -> None:
-    """Also where a scene in another folder extends that one."""
+    """Also where a scenario in another folder extends that one."""
     inner = tmp_path / "inner"
     inner.mkdir()
     (inner / "mine.fmu").write_bytes((library / "payload.fmu").read_bytes())

@@ -1,4 +1,4 @@
-"""Faults that a scene injects: what they do, when they end, what is refused."""
+"""Faults that a scenario injects: what they do, when they end, what is refused."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.errors import Divergence, SceneError, UnitFailure
+from orchestrator.errors import Divergence, InstanceFailure, ScenarioError
 from orchestrator.results.outcome import Outcome
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import MASTERS
@@ -16,18 +16,18 @@ from orchestrator.simulation.run import run
 
 def faulty(library: Path, folder: Path, fault: str, kind: str = "gauss-seidel") -> Outcome:
     """oscillator-1 for six cycles with one fault."""
-    scene = folder / "faulty.toml"
-    scene.write_text(
+    scenario = folder / "faulty.toml"
+    scenario.write_text(
         'extends = "oscillator-1"\n[time]\nstop = "6 cycles"\n'
         f'[[faults]]\nat = "3 cycles"\n{fault}\n'
     )
-    return run(load(scene, None, library, master={"kind": kind}))
+    return run(load(scenario, None, library, master={"kind": kind}))
 
 
 @pytest.mark.parametrize("kind", MASTERS)
 def test_a_unit_that_drops_out_stops_the_run(library: Path, tmp_path: Path, kind: str) -> None:
     done = faulty(library, tmp_path, 'on = "spring"\nkind = "drop"', kind)
-    assert isinstance(done.failure, UnitFailure)
+    assert isinstance(done.failure, InstanceFailure)
     assert str(done.failure).startswith("spring: step to t = 0.0")
     assert len(done.times) == 181
     assert np.isfinite(done.rows).all()
@@ -91,5 +91,5 @@ def test_noise_is_the_same_for_the_same_seed(library: Path, tmp_path: Path) -> N
 def test_what_makes_no_sense_is_refused(
     library: Path, tmp_path: Path, fault: str, reason: str
 ) -> None:
-    with pytest.raises(SceneError, match=reason):
+    with pytest.raises(ScenarioError, match=reason):
         faulty(library, tmp_path, fault)

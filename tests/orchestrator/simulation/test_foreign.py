@@ -1,4 +1,4 @@
-"""Foreign FMUs in scenes: coupled, typed, in loops, isolated; and what becomes of sick ones."""
+"""Foreign FMUs in scenarios: coupled, typed, in loops, isolated; and what becomes of sick ones."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ import xarray
 from typer.testing import CliRunner
 
 from orchestrator import cli
-from orchestrator.errors import FmuError, InitialisationError, SceneError, SimulationError
+from orchestrator.errors import FmuError, InitialisationError, ScenarioError, SimulationError
 from orchestrator.fmi.archive import extract
 from orchestrator.fmi.description import read_interface
-from orchestrator.fmi.instance import Limits, Unit, open_unit
+from orchestrator.fmi.instance import Instance, Limits, open_instance
 from orchestrator.fmi.instance.base import MOST_MESSAGES
 from orchestrator.fmi.instance.protocol import ANSWER, Garbled, read_answer
 from orchestrator.results.outcome import Outcome
@@ -131,13 +131,13 @@ def toml(value: Value | Path | Mapping[str, Value]) -> str:
 
 
 def part(name: str, fmu: Path | str, **keys: Value | Mapping[str, Value]) -> str:
-    """A component of a scene."""
+    """A component of a scenario."""
     lines = [f"{key} = {toml(value)}" for key, value in {"fmu": fmu, **keys}.items()]
     return "\n".join([f"[components.{name}]", *lines])
 
 
 def wires(*texts: str) -> str:
-    """Wires of a scene, each written as `a.y -> b.u`, or as `a.y -> b.u * 2.0`."""
+    """Wires of a scenario, each written as `a.y -> b.u`, or as `a.y -> b.u * 2.0`."""
     lines = []
     for text in texts:
         ends, _, gain = text.partition(" * ")
@@ -148,14 +148,16 @@ def wires(*texts: str) -> str:
 
 
 def hold(values: Mapping[str, Value]) -> str:
-    """Holds of a scene."""
+    """Holds of a scenario."""
     return "\n".join(["[hold]", *(f"{toml(k)} = {toml(v)}" for k, v in values.items())])
 
 
-def scene(folder: Path, *texts: str, stop: float = 0.1, step: float = 0.01, more: str = "") -> Path:
-    """A scene file of components, wires and holds."""
+def scenario(
+    folder: Path, *texts: str, stop: float = 0.1, step: float = 0.01, more: str = ""
+) -> Path:
+    """A scenario file of components, wires and holds."""
     times = f"[time]\nstop = {stop!r}\nstep = {step!r}\n{more}"
-    path = folder / "scene.toml"
+    path = folder / "scenario.toml"
     path.write_text("\n".join([times, *texts]))
     return path
 
@@ -190,7 +192,7 @@ def masses(
     mass = shelf("MASS", versions[0], rollback=rollback)
     pair = shelf("PAIR", versions[1], rollback=rollback)
     keys = {} if isolate is None else {"isolate": isolate}
-    return scene(
+    return scenario(
         folder,
         f'[master]\nkind = "{master}"',
         part("a", mass, start={"start_displacement": 1.0}, **keys),
@@ -260,17 +262,17 @@ def test_foreign_units_are_isolated_and_ours_are_not(
 ) -> None:
     ours, theirs = part("ours", "payload"), part("theirs", shelf("MASS", 2))
     held = hold({"ours.force.value": 0.0, "theirs.force": 0.0})
-    with System(load(scene(tmp_path, ours, theirs, held), library=library)) as system:
-        assert [len(hosts()), len(system.members)] == [1, 2]
+    with System(load(scenario(tmp_path, ours, theirs, held), library=library)) as system:
+        assert [len(hosts()), len(system.instances)] == [1, 2]
     assert hosts() == []
-    with System(load(scene(tmp_path, ours, hold({"ours.force.value": 0.0})), library=library)):
+    with System(load(scenario(tmp_path, ours, hold({"ours.force.value": 0.0})), library=library)):
         assert hosts() == []
 
 
 def test_ours_are_the_same_isolated(library: Path, tmp_path: Path) -> None:
     def rows(isolate: bool) -> bytes:
         ours = part("p", "payload", isolate=isolate)
-        path = scene(tmp_path, ours, hold({"p.force.value": 0.01}))
+        path = scenario(tmp_path, ours, hold({"p.force.value": 0.01}))
         return ran(path, library=library).rows.tobytes()
 
     assert rows(True) == rows(False)
@@ -295,7 +297,7 @@ def echoed(version: int, end: int) -> dict[str, tuple[float, float, float]]:
 
 
 def as_held(name: str, value: float) -> Value:
-    """A held value as a scene has it."""
+    """A held value as a scenario has it."""
     if name == "boolean":
         return bool(value)
     return ("slow", "fast")[int(value) - 1] if name == "enumeration" else value
@@ -315,7 +317,7 @@ def test_every_type_travels_exactly(
         held |= {f"a.in_array[{k}]": 0.5 * k for k in (1, 2, 3)}
         joined.append("a.out_array -> b.in_array")
     parts = [part(name, types, isolate=isolate) for name in "ab"]
-    values = last(ran(scene(tmp_path, *parts, wires(*joined), hold(held), stop=0.03)))
+    values = last(ran(scenario(tmp_path, *parts, wires(*joined), hold(held), stop=0.03)))
     for name, (_, first, second) in known.items():
         for kind in ("out", "late"):
             assert values[f"a.{kind}_{name}"] == first, name
@@ -333,7 +335,7 @@ def typed(
     isolate: bool = False,
     held: Mapping[str, Value] | None = None,
 ) -> Path:
-    """A scene with a TYPES `a` and a TYPES `b`, all inputs held that nothing else is said of."""
+    """A scenario with a TYPES `a` and a TYPES `b`, all inputs held that nothing else is said of."""
     names = {*echoed(version, 0)} | ({f"array[{k}]" for k in (1, 2, 3)} if version == 3 else set())
     fed = " ".join(texts) + " "
     usual = {
@@ -343,7 +345,7 @@ def typed(
         if f"-> {unit}.in_{name} " not in fed
     }
     parts = [part("a", fmu, isolate=isolate, start=start or {}), part("b", fmu, isolate=False)]
-    return scene(folder, *parts, wires(*texts), hold({**usual, **(held or {})}), stop=0.02)
+    return scenario(folder, *parts, wires(*texts), hold({**usual, **(held or {})}), stop=0.02)
 
 
 def test_elements_of_arrays_are_wired_one_by_one(shelf: Shelf, tmp_path: Path) -> None:
@@ -361,7 +363,7 @@ def test_elements_that_nothing_feeds_keep_their_start(
     names = {f"a.in_{name}": as_held(name, 1.0) for name in echoed(3, 0)}
     unit = part("a", shelf("TYPES", 3), isolate=isolate, start={"in_array[3]": 7.0})
     held = hold({**names, "a.in_array[1]": 5.0})
-    values = last(ran(scene(tmp_path, unit, held, stop=0.02)))
+    values = last(ran(scenario(tmp_path, unit, held, stop=0.02)))
     assert [values[f"a.out_array[{k}]"] for k in (1, 2, 3)] == [10.0, 0.0, 14.0]
 
 
@@ -371,7 +373,7 @@ def test_matrix_is_a_parameter_by_element(isolate: bool, shelf: Shelf, tmp_path:
     start: dict[str, Value] = {"in_matrix[1,2]": 5.0, "in_matrix[2,2]": -1.0}
     unit = part("a", shelf("TYPES", 3), isolate=isolate, start=start)
     held = hold({**names, "a.in_array[1]": 0.0})
-    values = last(ran(scene(tmp_path, unit, held, stop=0.02)))
+    values = last(ran(scenario(tmp_path, unit, held, stop=0.02)))
     transposed = [values[f"a.out_matrix[{i},{j}]"] for i in (1, 2) for j in (1, 2)]
     assert transposed == [1.0, 3.0, 5.0, -1.0]
 
@@ -398,14 +400,14 @@ def test_choices_and_truths_start_by_name(version: int, shelf: Shelf, tmp_path: 
 
 
 @pytest.fixture
-def alone(shelf: Shelf, tmp_path: Path) -> Iterator[Callable[..., Unit]]:
-    """A TYPES outside any scene."""
-    units: list[Unit] = []
+def alone(shelf: Shelf, tmp_path: Path) -> Iterator[Callable[..., Instance]]:
+    """A TYPES outside any scenario."""
+    units: list[Instance] = []
 
-    def opened(version: int, isolate: bool) -> Unit:
+    def opened(version: int, isolate: bool) -> Instance:
         path = shelf("TYPES", version)
         extract(path, tmp_path / "unpacked")
-        units.append(open_unit("types", read_interface(path), tmp_path / "unpacked", isolate))
+        units.append(open_instance("types", read_interface(path), tmp_path / "unpacked", isolate))
         return units[-1]
 
     yield opened
@@ -416,7 +418,9 @@ def alone(shelf: Shelf, tmp_path: Path) -> Iterator[Callable[..., Unit]]:
 
 @pytest.mark.parametrize("isolate", [True, False], ids=["isolated", "in process"])
 @each_version
-def test_values_set_by_name_stay(version: int, isolate: bool, alone: Callable[..., Unit]) -> None:
+def test_values_set_by_name_stay(
+    version: int, isolate: bool, alone: Callable[..., Instance]
+) -> None:
     """Setting one element of an array, then another, keeps the first; closing twice is safe."""
     unit = alone(version, isolate)
     names = ["out_boolean", "out_enumeration"]
@@ -455,7 +459,7 @@ def test_values_set_by_name_stay(version: int, isolate: bool, alone: Callable[..
 def test_lossy_wire_is_refused_at_load(
     version: int, wire: str, reason: str, shelf: Shelf, tmp_path: Path
 ) -> None:
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(ScenarioError) as caught:
         load(typed(tmp_path, shelf("TYPES", version), version, wire))
     line = next(p for p in caught.value.problems if "wires[0]" in p)
     assert wire.partition(" * ")[0] in line
@@ -501,7 +505,7 @@ def test_held_value_that_its_type_does_not_take_is_refused(
     name: str, value: Value, reason: str, shelf: Shelf, tmp_path: Path
 ) -> None:
     path = typed(tmp_path, shelf("TYPES", 3), 3, held={f"a.in_{name}": value})
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(ScenarioError) as caught:
         load(path)
     (line,) = caught.value.problems
     assert f"hold.a.in_{name}: " in line
@@ -522,7 +526,7 @@ def ring(folder: Path, fmu: Path, gains: tuple[float, float], **keys: Value) -> 
     """Two GAINs, y1 = g1 y2 + 1 and y2 = g2 y1 + 0.5."""
     first = part("a", fmu, start={"gain": gains[0], "offset": 1.0}, **keys)
     second = part("b", fmu, start={"gain": gains[1], "offset": 0.5}, **keys)
-    return scene(folder, first, second, wires("a.y -> b.u", "b.y -> a.u"))
+    return scenario(folder, first, second, wires("a.y -> b.u", "b.y -> a.u"))
 
 
 @pytest.mark.parametrize("gains", [(0.5, 1.0), (2.0, -2.0), (1.0, -1.0), (0.999, 1.0), (1e4, -1e4)])
@@ -568,7 +572,7 @@ def law_loop(folder: Path, shelf: Shelf, version: int, gain: float, actions: str
     held = {f"t.in_{name}": as_held(name, 1.0) for name in echoed(version, 0) if name != real}
     held |= {"t.in_array[1]": 0.0} if version == 3 else {}
     held |= {"p.second.displacement": 1.0, "p.second.velocity": 0.0, "m.force": 0.0}
-    return scene(
+    return scenario(
         folder,
         part("p", pair),
         part("t", types, isolate=False),
@@ -631,7 +635,7 @@ def sick(
     """A FAULTY that strikes in the step to 0.05 s, beside what else there is."""
     start: dict[str, Value] = {"fault": fault, "fault_time": 0.05, "gain": 3.0}
     unit = part("sick", fmu, start=start, **{"patience": "1 s", **keys})
-    return scene(folder, unit, *beside, hold({"sick.u": 1.0, **(held or {})}), stop=stop)
+    return scenario(folder, unit, *beside, hold({"sick.u": 1.0, **(held or {})}), stop=stop)
 
 
 @pytest.fixture
@@ -704,7 +708,7 @@ def test_flood_of_messages_is_capped(version: int, shelf: Shelf, tmp_path: Path)
     """10 MB of log with escape codes, and as much on stdout: the first and the last stay."""
     path = sick(tmp_path, shelf("FAULTY", version), 7)
     with System(load(path)) as system:
-        unit = system.members[0].unit
+        unit = system.instances[0].instance
         for k in range(6):
             unit.step(0.01 * k, 0.01)
         assert len(unit.messages) == MOST_MESSAGES
@@ -823,7 +827,7 @@ def test_what_can_be_once_in_a_process_gets_one_each(
 @each_version
 def test_library_of_another_name_is_found(version: int, shelf: Shelf, tmp_path: Path) -> None:
     mass = shelf("MASS", version, library="other.so", name="misnamed")
-    outcome = ran(scene(tmp_path, part("m", mass), hold({"m.force": 2.0})))
+    outcome = ran(scenario(tmp_path, part("m", mass), hold({"m.force": 2.0})))
     assert last(outcome)["m.displacement"] == pytest.approx(0.01, rel=1e-12)
 
 
@@ -839,7 +843,7 @@ def test_two_libraries_of_other_names_are_refused(
         archive.writestr(f"binaries/{place}/another.so", b"")
     reason = r"two\.fmu: no library mass\.so for .*, but another\.so, other\.so: which is it\?"
     with pytest.raises(FmuError, match=reason):
-        run(load(scene(tmp_path, part("m", path, isolate=isolate), hold({"m.force": 0.0}))))
+        run(load(scenario(tmp_path, part("m", path, isolate=isolate), hold({"m.force": 0.0}))))
 
 
 def beside_a_square_wave(folder: Path, mass: Path, *, stop: float = 0.2, more: str = "") -> Path:
@@ -847,7 +851,7 @@ def beside_a_square_wave(folder: Path, mass: Path, *, stop: float = 0.2, more: s
     inputs = ("command.top", "command.bottom", "top.charge", "bottom.charge")
     held = {f"amplifier.{name}": 0.0 for name in inputs}
     action = '[[actions]]\nat = "0.025 s"\nset = { "m.force" = 2.0 }'
-    return scene(
+    return scenario(
         folder,
         part("m", mass),
         part("amplifier", "amplifier", start={"waveform": "square", "frequency": "18 Hz"}),
@@ -891,7 +895,7 @@ def test_what_steps_of_one_size_cannot_do_is_refused(
 ) -> None:
     mass = shelf("MASS", 2, variable_step=False)
     path = beside_a_square_wave(tmp_path, mass, **options)  # type: ignore[arg-type]
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(ScenarioError) as caught:
         load(path, library=library)
     (line,) = caught.value.problems
     assert all(reason in line for reason in reasons), line
@@ -983,7 +987,7 @@ def test_interrupt_amid_an_answer_closes_all(
     try:
         with pytest.raises(KeyboardInterrupt), System(load(path)) as system:
             timer.start()
-            system.members[0].unit.step(0.0, 1.0)
+            system.instances[0].instance.step(0.0, 1.0)
         system.close()
     finally:
         timer.join()
@@ -991,7 +995,9 @@ def test_interrupt_amid_an_answer_closes_all(
 
 
 @pytest.mark.parametrize("isolate", [True, False], ids=["isolated", "in process"])
-def test_only_closing_is_left_to_a_closed_unit(isolate: bool, alone: Callable[..., Unit]) -> None:
+def test_only_closing_is_left_to_a_closed_unit(
+    isolate: bool, alone: Callable[..., Instance]
+) -> None:
     unit = alone(2, isolate)
     unit.close()
     unit.close()
@@ -1000,7 +1006,7 @@ def test_only_closing_is_left_to_a_closed_unit(isolate: bool, alone: Callable[..
             unit.step(0.0, 0.1)
 
 
-def test_last_of_many_messages_is_kept(alone: Callable[..., Unit]) -> None:
+def test_last_of_many_messages_is_kept(alone: Callable[..., Instance]) -> None:
     unit = alone(2, False)
     for k in range(3 * MOST_MESSAGES):
         unit.log(1, f"types: message {k}")
@@ -1013,7 +1019,7 @@ def test_patience_is_for_calls_not_for_coming_up(shelf: Shelf, tmp_path: Path) -
     path = shelf("MASS", 2)
     extract(path, tmp_path / "unpacked")
     limits = Limits(patience=0.1)
-    unit = open_unit("m", read_interface(path), tmp_path / "unpacked", True, limits)
+    unit = open_instance("m", read_interface(path), tmp_path / "unpacked", True, limits)
     unit.close()
     assert unit.messages == []
 
@@ -1024,7 +1030,7 @@ def test_process_that_cannot_be_started_is_told(
     def full(*arguments: object, **options: object) -> None:
         raise OSError(errno.EMFILE, "Too many open files")
 
-    path = scene(tmp_path, part("m", shelf("MASS", 2)), hold({"m.force": 0.0}))
+    path = scenario(tmp_path, part("m", shelf("MASS", 2)), hold({"m.force": 0.0}))
     monkeypatch.setattr(subprocess, "Popen", full)
     with pytest.raises(InitialisationError, match=r"m: its process cannot be started \(Too many"):
         run(load(path))
@@ -1037,7 +1043,7 @@ def test_folder_of_an_fmu_is_no_place_for_modules(shelf: Shelf, tmp_path: Path) 
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr("json.py", "raise SystemExit(7)")
         archive.writestr("orchestrator/__init__.py", "raise SystemExit(7)")
-    ran(scene(tmp_path, part("m", path), hold({"m.force": 0.0})))
+    ran(scenario(tmp_path, part("m", path), hold({"m.force": 0.0})))
 
 
 @pytest.mark.parametrize(

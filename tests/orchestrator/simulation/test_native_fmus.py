@@ -1,4 +1,4 @@
-"""Scenes on native parts: the same result bit by bit, from one option."""
+"""Scenarios on native parts: the same result bit by bit, from one option."""
 
 from __future__ import annotations
 
@@ -16,16 +16,18 @@ from orchestrator.studies.reference.monolith import monolithic
 
 
 @pytest.mark.parametrize(
-    ("scene", "kind"),
+    ("scenario", "kind"),
     [
         ("oscillator-1", "interface-newton"),
         ("flapping-full-wings", "gauss-seidel"),
         ("flapping-membrane", "gauss-seidel"),
     ],
 )
-def test_a_scene_gives_the_same_bits(library: Path, native: Path, scene: str, kind: str) -> None:
+def test_a_scenario_gives_the_same_bits(
+    library: Path, native: Path, scenario: str, kind: str
+) -> None:
     both = [
-        run(load(scene, None, parts, time={"stop": "1 cycles"}, master={"kind": kind}))
+        run(load(scenario, None, parts, time={"stop": "1 cycles"}, master={"kind": kind}))
         for parts in (library, native)
     ]
     first, second = both
@@ -43,18 +45,18 @@ def invoke(*arguments: str) -> tuple[int, str]:
 def test_the_option(native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("build").mkdir()
-    scene = ("flapping-full-wings", "--native", "--stop", "1 cycles")
-    code, said = invoke("run", *scene)
+    scenario = ("flapping-full-wings", "--native", "--stop", "1 cycles")
+    code, said = invoke("run", *scenario)
     assert code == 2
     assert "resilin build --native" in said.replace("\n", " ")
     Path("build/native").symlink_to(native)
-    code, said = invoke("run", *scene, "--no-picture")
+    code, said = invoke("run", *scenario, "--no-picture")
     assert (code, "stroke" in said) == (0, True)
-    code, said = invoke("run", *scene, "--fmus", "elsewhere")
+    code, said = invoke("run", *scenario, "--fmus", "elsewhere")
     assert code == 2
     assert "give one" in said
     code, said = invoke(
-        "sweep", *scene, "--over", "amplifier.frequency=16,18", "--workers", "1", "--quiet"
+        "sweep", *scenario, "--over", "amplifier.frequency=16,18", "--workers", "1", "--quiet"
     )
     assert code == 0, said
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import Divergence, InitialisationError, SimulationError
-from orchestrator.scenario.files import scene_names
+from orchestrator.scenario.files import scenario_names
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from tests.conftest import Runner
@@ -52,9 +52,9 @@ def test_values_carry_the_time_at_which_they_hold(
     assert outcome.times[-1] == 0.0103
 
 
-@pytest.mark.parametrize("name", scene_names())
-def test_every_scene_runs(library: Path, outcome: Runner, name: str) -> None:
-    """Three cycles of each; whole, where a scene has no cycle."""
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_scenario_runs(library: Path, outcome: Runner, name: str) -> None:
+    """Three cycles of each; whole, where a scenario has no cycle."""
     cyclic = load(name, None, library).frequency is not None
     done = outcome(name, time={"stop": "3 cycles"} if cyclic else {})
     assert done.failure is None
@@ -134,10 +134,12 @@ def test_a_thousand_runs_are_no_more_than_two(outcome: Runner) -> None:
 
 
 @pytest.mark.parametrize(
-    ("scene", "absent"),
+    ("scenario", "absent"),
     [("flapping-no-wing", "aero"), ("flapping-frames", "aero"), ("oscillator-1", "linkage")],
 )
-def test_what_a_scene_does_not_need_is_not_loaded(library: Path, scene: str, absent: str) -> None:
+def test_what_a_scenario_does_not_need_is_not_loaded(
+    library: Path, scenario: str, absent: str
+) -> None:
     code = (
         "import sys\n"
         "from pathlib import Path\n"
@@ -149,7 +151,7 @@ def test_what_a_scene_does_not_need_is_not_loaded(library: Path, scene: str, abs
         "os._exit(0)  # PythonFMU's library may corrupt the heap when a process ends\n"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, scene, str(library), absent],
+        [sys.executable, "-c", code, scenario, str(library), absent],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert done.stdout.splitlines() == ["[]", "[]"]

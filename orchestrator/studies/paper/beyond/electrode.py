@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from ....report.plot import Axis, Curve, Figure, Plot
 from ....report.table import Cell, Column, Table, quantity
-from ..cached_runs import Lab
-from ..comparison import Item
+from ..cached_runs import CachedRuns
+from ..comparison import Comparison
 from ..job import Answer, Job
 from ..layer_sweeps import LAYERS
 from ..metrics import amplitude, net, stroke
@@ -21,19 +21,19 @@ FREE = 1.0e3
 """Resistance [Ohm] that stands for none: RC below a thousandth of a cycle for eight layers."""
 
 USUAL = 1.0e5
-"""That of the scenes [Ohm], assumed; the limit is looked at beside it."""
+"""That of the scenarios [Ohm], assumed; the limit is looked at beside it."""
 
 KEPT = ("amplifier.supplied_energy",)
 VEHICLE = "vehicle"
 
 
-def electrode(lab: Lab) -> Item:
+def electrode(cached_runs: CachedRuns) -> Comparison:
     """Stacks of 2 to 8 layers under half-wave sines, and the vehicle under square waves."""
     cases = [*((f"{n} layers", f) for f in FREQUENCIES for n in LAYERS), (VEHICLE, 18)]
     ways = [("", 0.0), *(("R", r) for r in RESISTANCES), *(("I", i) for i in LIMITS)]
     jobs = [_job(name, f, *way) for name, f in cases for way in ways]
-    answers = lab.answers(jobs)
-    failures = [f"{j.scene}: {a.reason}" for j, a in zip(jobs, answers, strict=True) if a.reason]
+    answers = cached_runs.answers(jobs)
+    failures = [f"{j.scenario}: {a.reason}" for j, a in zip(jobs, answers, strict=True) if a.reason]
     count = len(ways)
     found = {
         case: dict(zip(ways, answers[k * count : (k + 1) * count], strict=True))
@@ -47,10 +47,10 @@ def electrode(lab: Lab) -> Item:
         "Sines ask for a current of at most the capacitance times the voltage's slope; a square"
         " wave asks for an edge, so the vehicle is late by C V / I even where the mean current is"
         " small. 0.5 mA is what 1 W gives at 1920 V. The resistance of 0.1 MOhm is assumed in all"
-        " scenes, with table 2's droop in sight. Scene electrode-limit has 1 MOhm and"
+        " scenarios, with table 2's droop in sight. Scenario electrode-limit has 1 MOhm and"
         " 0.5 mA at once.",
     )
-    return Item(
+    return Comparison(
         *("electrode", TITLE, words, (), [_drawn(shares)], failures),
         extras=[_table(found, shares)],
     )
@@ -62,10 +62,10 @@ def _job(name: str, frequency: int, kind: str, value: float) -> Job:
     changes["amplifier.resistance"] = f"{resistance!r} Ohm"
     if kind == "I":
         changes["amplifier.current_limit"] = f"{value!r} A"
-    return Job(_scene(name), changes, keep=KEPT, length=40, per_cycle=120, cycles=4)
+    return Job(_scenario(name), changes, keep=KEPT, length=40, per_cycle=120, cycles=4)
 
 
-def _scene(name: str) -> str:
+def _scenario(name: str) -> str:
     return "flapping-full-wings" if name == VEHICLE else f"power-{name.split()[0]}"
 
 
@@ -117,7 +117,7 @@ def _table(
         Column("Drive"), *(Column(name, number=True) for name, _ in shown),
         Column("Power drawn, R = 0.1 MOhm", number=True),
         Column("Power drawn, R = 1 MOhm", number=True),
-        Column("Scene"),
+        Column("Scenario"),
     ]  # fmt: skip
     rows = []
     for (name, f), each in found.items():
@@ -129,5 +129,5 @@ def _table(
             answer = each["R", resistance]
             drawn = net(answer) if answer.status == "done" else math.nan
             row.append(quantity(drawn, f"{1e3 * drawn:.0f} mW"))
-        rows.append([*row, Cell(_scene(name))])
+        rows.append([*row, Cell(_scenario(name))])
     return Table("Amplitude left, of that with an ideal drive; net power drawn", columns, rows)

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from ....report.plot import Axis, Curve, Figure, Plot
 from ....report.table import Column, Table, quantity
 from ....scenario.plan import Plan
-from ..cached_runs import Lab
-from ..comparison import Item
+from ..cached_runs import CachedRuns
+from ..comparison import Comparison
 from ..equation6 import GRAVITY, mass
-from ..frequency_sweep import Spectrum, Sweep, spectra
+from ..frequency_sweep import FrequencySweep, Sweep, frequency_sweeps
 from ..job import Job, plan_of, start_of
 from ..metrics import lift, net, stroke
 from ..published_values import given
@@ -112,15 +112,15 @@ class Found:
         return math.sqrt(self.vehicle.actuator / each)
 
 
-def hovering(lab: Lab) -> Item:
+def hovering(cached_runs: CachedRuns) -> Comparison:
     """Sweeps of all vehicles at once; the largest lift of each."""
     every = [Vehicle(v, n, r) for r in LENGTHS for n in LAYERS for v in DRIVES]
-    prototype = plan_of(Job(PROTOTYPE), lab.library)
-    swept = spectra(lab, [vehicle.sweep(prototype) for vehicle in every], lift)
+    prototype = plan_of(Job(PROTOTYPE), cached_runs.library)
+    swept = frequency_sweeps(cached_runs, [vehicle.sweep(prototype) for vehicle in every], lift)
     found = [f for v, s in zip(every, swept, strict=True) if (f := _best(v, s)) is not None]
-    failures = [text for spectrum in swept for text in spectrum.failures]
+    failures = [text for frequency_sweep in swept for text in frequency_sweep.failures]
     if not found:
-        return Item("hovering", TITLE, (), (), (), failures)
+        return Comparison("hovering", TITLE, (), (), (), failures)
     stable = [f for f in found if f.vehicle.drive < PULL_IN]
     best, most = max(stable, key=lambda f: f.share), max(found, key=lambda f: f.share)
     words = (
@@ -142,14 +142,16 @@ def hovering(lab: Lab) -> Item:
         " force for a given weight: voltage, permittivity, thinner films. The feathering is that"
         " assumed for wings of 40 mm; long and slow ones would need it softer.",
     )
-    return Item(*("hovering", TITLE, words, (), [_drawn(found)], failures), extras=[_table(found)])
+    return Comparison(
+        *("hovering", TITLE, words, (), [_drawn(found)], failures), extras=[_table(found)]
+    )
 
 
-def _best(vehicle: Vehicle, spectrum: Spectrum) -> Found | None:
-    peak = spectrum.peak(lift)
+def _best(vehicle: Vehicle, frequency_sweep: FrequencySweep) -> Found | None:
+    peak = frequency_sweep.peak(lift)
     if peak is None:
         return None
-    answer = spectrum.answers[spectrum.nearest(peak.at)]
+    answer = frequency_sweep.answers[frequency_sweep.nearest(peak.at)]
     return Found(vehicle, peak.at, peak.value, stroke(answer), net(answer))
 
 
@@ -204,4 +206,4 @@ def _table(found: Sequence[Found]) -> Table:
         ]
         for f in found
     ]
-    return Table("Largest lift of each; scene hovering", columns, rows)
+    return Table("Largest lift of each; scenario hovering", columns, rows)

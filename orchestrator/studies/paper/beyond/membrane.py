@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 from ....report.plot import Axis, Curve, Figure, Plot
 from ....report.table import Cell, Column, Table, quantity
-from ..cached_runs import Lab
-from ..comparison import Item
+from ..cached_runs import CachedRuns
+from ..comparison import Comparison
 from ..figure11 import flights
-from ..frequency_sweep import Measure, Spectrum, Sweep, spectra
+from ..frequency_sweep import FrequencySweep, Measure, Sweep, frequency_sweeps
 from ..metrics import amplitude, stroke
 from ..published_values import number
 from ..table1 import oscillators
@@ -24,15 +24,15 @@ VEHICLE: tuple[tuple[str, dict[str, str]], ...] = (
 TITLE = "Beyond: full membrane against linear spring"
 
 
-def membrane(lab: Lab) -> Item:
+def membrane(cached_runs: CachedRuns) -> Comparison:
     """First oscillator and vehicle by both, and the time of a step of each."""
     sweeps = [
         Sweep("flapping-membrane", FREQUENCIES, changes, settle=2.0, cycles=5)
         for _, changes in VEHICLE
     ]
-    flown = spectra(lab, sweeps, stroke)
-    spring_flown = flights(lab)[-1]
-    film, spring = (each[0] for each in oscillators(lab).values())
+    flown = frequency_sweeps(cached_runs, sweeps, stroke)
+    spring_flown = flights(cached_runs)[-1]
+    film, spring = (each[0] for each in oscillators(cached_runs).values())
     vehicle = [("linear spring, 1920 V", spring_flown)]
     vehicle += [(name, each) for (name, _), each in zip(VEHICLE, flown, strict=True)]
     bench = [("linear spring", spring), ("full membrane", film)]
@@ -46,7 +46,7 @@ def membrane(lab: Lab) -> Item:
         " two fifths of the force, there is a peak near the spring's. So one of three things is"
         " true of the vehicle and the paper does not say which: fewer layers than eight per cone"
         " at work, less than 1920 V across them, or losses of force that the bench has not. The"
-        " vehicle scenes keep the spring. The time of a step is that of whole runs, loading and"
+        " vehicle scenarios keep the spring. The time of a step is that of whole runs, loading and"
         " evaluation included.",
     )
     rows = [_row(f"DEA 1, {name}", each, amplitude, 1e3, "mm") for name, each in bench]
@@ -57,16 +57,16 @@ def membrane(lab: Lab) -> Item:
     columns = [
         Column("Model"), Column("Peak at", number=True), Column("Peak", number=True),
         Column("Lowest frequency", number=True), Column("Time of a step", number=True),
-        Column("Scene"),
+        Column("Scenario"),
     ]  # fmt: skip
     failures = [text for _, each in (*bench, *vehicle) for text in each.failures]
-    return Item(
+    return Comparison(
         *("membrane", TITLE, words, (), [_drawn(bench, vehicle)], failures),
         extras=[Table("Full membrane and linear spring", columns, rows)],
     )
 
 
-def _row(name: str, found: Spectrum, measure: Measure, scale: float, unit: str) -> list[Cell]:
+def _row(name: str, found: FrequencySweep, measure: Measure, scale: float, unit: str) -> list[Cell]:
     peak = found.peak(measure)
     done = [answer for answer in found.answers.values() if answer.status == "done"]
     steps = sum(answer.steps for answer in done)
@@ -79,12 +79,12 @@ def _row(name: str, found: Spectrum, measure: Measure, scale: float, unit: str) 
         quantity(scale * peak.value, f"{scale * peak.value:.3g} {unit}") if peak else Cell("-"),
         quantity(lowest, f"{lowest:.3g} {unit} at {first:.3g} Hz"),
         quantity(pace, f"{pace:.0f} us"),
-        Cell(found.sweep.scene),
+        Cell(found.sweep.scenario),
     ]
 
 
 def _drawn(
-    bench: Sequence[tuple[str, Spectrum]], vehicle: Sequence[tuple[str, Spectrum]]
+    bench: Sequence[tuple[str, FrequencySweep]], vehicle: Sequence[tuple[str, FrequencySweep]]
 ) -> Figure:
     across = Axis("frequency (Hz)")
     sizes = [

@@ -9,10 +9,10 @@ import numpy as np
 
 from ....report.plot import Axis, Curve, Figure, Plot
 from ....report.table import Cell, Column, Table, quantity
-from ..cached_runs import Lab
-from ..comparison import Item
+from ..cached_runs import CachedRuns
+from ..comparison import Comparison
 from ..figure3 import FIRST, SILICONE
-from ..frequency_sweep import Spectrum, Sweep, spectra
+from ..frequency_sweep import FrequencySweep, Sweep, frequency_sweeps
 from ..job import Answer, Job
 from ..metrics import amplitude, fourier
 from ..published_values import given
@@ -24,25 +24,27 @@ MODELS = {"full membrane": "bench-silicone", "linear spring": "oscillator-1"}
 KEPT = ("amplifier.*.voltage", "payload.displacement")
 
 
-def superharmonic(lab: Lab) -> Item:
+def superharmonic(cached_runs: CachedRuns) -> Comparison:
     """Two drives on two models over frequency; harmonics of drive and motion at the first peak."""
     cases = [(model, drive) for model in MODELS for drive in DRIVES]
     sweeps = [_sweep(MODELS[model], DRIVES[drive]) for model, drive in cases]
-    found = dict(zip(cases, spectra(lab, sweeps, amplitude), strict=True))
+    found = dict(zip(cases, frequency_sweeps(cached_runs, sweeps, amplitude), strict=True))
     first = _first(found["full membrane", "half-wave sine"])
     failures = [text for each in found.values() for text in each.failures]
     if first is None:
-        return Item("superharmonic", TITLE, (), (), [_spectra(found)], failures)
+        return Comparison("superharmonic", TITLE, (), (), [_spectra(found)], failures)
     frequency = round(first[0], 2)
     jobs = [_job(frequency, waveform) for waveform in DRIVES.values()]
-    answers = lab.answers(jobs)
-    failures += [f"{j.scene}: {a.reason}" for j, a in zip(jobs, answers, strict=True) if a.reason]
+    answers = cached_runs.answers(jobs)
+    failures += [
+        f"{j.scenario}: {a.reason}" for j, a in zip(jobs, answers, strict=True) if a.reason
+    ]
     if failures:
-        return Item("superharmonic", TITLE, (), (), [_spectra(found)], failures)
+        return Comparison("superharmonic", TITLE, (), (), [_spectra(found)], failures)
     sizes = {drive: _harmonics(a, frequency) for drive, a in zip(DRIVES, answers, strict=True)}
     push, motion = sizes["half-wave sine"]
     plain, _ = sizes["raised sine"]
-    alone = _alone(lab, frequency, math.sqrt(push[2] / plain[0]))
+    alone = _alone(cached_runs, frequency, math.sqrt(push[2] / plain[0]))
     own = sizes["raised sine"][1][2]
     words = (
         "Each electrode pulls with the square of its voltage, so what moves the spacer is"
@@ -61,15 +63,15 @@ def superharmonic(lab: Lab) -> Item:
         " neither alone: the two act on one another. So the peak is mostly the drive's, and its"
         " height says more of the amplifier's waveform than of the film.",
     )
-    return Item(
+    return Comparison(
         *("superharmonic", TITLE, words, (), [_spectra(found), _bars(sizes)], failures),
         extras=[_table(found)],
     )
 
 
-def _sweep(scene: str, waveform: str) -> Sweep:
-    own = {"bench-silicone": "half_wave_sine", "oscillator-1": "raised_sine"}[scene]
-    return Sweep(scene, SILICONE, {} if waveform == own else {"amplifier.waveform": waveform})
+def _sweep(scenario: str, waveform: str) -> Sweep:
+    own = {"bench-silicone": "half_wave_sine", "oscillator-1": "raised_sine"}[scenario]
+    return Sweep(scenario, SILICONE, {} if waveform == own else {"amplifier.waveform": waveform})
 
 
 def _job(frequency: float, waveform: str) -> Job:
@@ -77,11 +79,11 @@ def _job(frequency: float, waveform: str) -> Job:
     return Job("superharmonic", changes, keep=KEPT, length=20, per_cycle=240, cycles=4)
 
 
-def _alone(lab: Lab, frequency: float, share: float) -> float:
+def _alone(cached_runs: CachedRuns, frequency: float, share: float) -> float:
     """Amplitude [m] at three times the frequency, under a raised sine of a share of the voltage."""
     job = replace(_job(3.0 * frequency, "raised_sine"), length=60)
     changes = {**job.changes, "amplifier.amplitude": f"{share * float(given('drive')):.1f} V"}
-    (answer,) = lab.answers([replace(job, changes=changes)])
+    (answer,) = cached_runs.answers([replace(job, changes=changes)])
     return _harmonics(answer, 3.0 * frequency)[1][0] if answer.status == "done" else math.nan
 
 
@@ -96,13 +98,13 @@ def _harmonics(answer: Answer, frequency: float) -> tuple[list[float], list[floa
     return found[0], found[1]
 
 
-def _first(found: Spectrum) -> tuple[float, float] | None:
+def _first(found: FrequencySweep) -> tuple[float, float] | None:
     tops = [peak for peak in found.maxima(amplitude) if peak.at < FIRST]
     top = max(tops, key=lambda peak: peak.value, default=None)
     return None if top is None else (top.at, top.value)
 
 
-def _table(found: dict[tuple[str, str], Spectrum]) -> Table:
+def _table(found: dict[tuple[str, str], FrequencySweep]) -> Table:
     rows = []
     for (model, drive), each in found.items():
         main, first = each.peak(amplitude, low=FIRST), _first(each)
@@ -114,18 +116,18 @@ def _table(found: dict[tuple[str, str], Spectrum]) -> Table:
                 quantity(first[1], f"{1e3 * first[1]:.2f} mm") if first else Cell("-"),
                 quantity(main.at, f"{main.at:.2f} Hz") if main else Cell("none"),
                 quantity(ratio, f"{ratio:.3f}") if first else Cell("-"),
-                Cell(each.sweep.scene),
+                Cell(each.sweep.scenario),
             ]
         )  # fmt: skip
     columns = [
         Column("Model"), Column("Drive"), Column("First peak", number=True),
         Column("Its amplitude", number=True), Column("Main peak", number=True),
-        Column("Main over first", number=True), Column("Scene"),
+        Column("Main over first", number=True), Column("Scenario"),
     ]  # fmt: skip
     return Table("Two drives on two models", columns, rows)
 
 
-def _spectra(found: dict[tuple[str, str], Spectrum]) -> Figure:
+def _spectra(found: dict[tuple[str, str], FrequencySweep]) -> Figure:
     curves = [
         Curve(f"{model}, {drive}", each.frequencies,
               [1e3 * v for v in each.values(amplitude)], "line-points")
@@ -155,5 +157,5 @@ def _bars(sizes: dict[str, tuple[list[float], list[float]]]) -> Figure:
         plots.append(Plot(title, across, Axis(label, least=0.0), curves))
     return Figure(
         "superharmonic", "Harmonics at the first peak",
-        "Of the drive and of the motion, by their fundamentals; scene superharmonic.", plots,
+        "Of the drive and of the motion, by their fundamentals; scenario superharmonic.", plots,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Diagrams of scenes: complete, literal, the same each time, and nothing on top of another."""
+"""Diagrams of scenarios: complete, literal, the same each time, and nothing on top of another."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from orchestrator.errors import OutputError
 from orchestrator.scenario.connections import Connection
 from orchestrator.scenario.diagram.draw import draw
 from orchestrator.scenario.diagram.layout import Sheet, Text, layout
-from orchestrator.scenario.files import scene_names
+from orchestrator.scenario.files import scenario_names
 from orchestrator.scenario.plan import Plan
 from orchestrator.simulation.load import load
 
@@ -50,7 +50,7 @@ def titled(plan: Plan, title: str) -> Plan:
 
 
 def crowd(plan: Plan, count: int = 12) -> Plan:
-    """Units of a scene many times over, wired forwards, backwards, far and to themselves."""
+    """Units of a scenario many times over, wired forwards, backwards, far and to themselves."""
     units = [f"unit_{k}" for k in range(count)]
     kinds = list(plan.interfaces.values())
     interfaces = {
@@ -71,7 +71,7 @@ def crowd(plan: Plan, count: int = 12) -> Plan:
 
 def test_every_unit_and_port_is_named(library: Path, tmp_path: Path) -> None:
     plan = load("oscillator-1", None, library)
-    texts = shown(draw(plan, tmp_path / "scene.svg"))
+    texts = shown(draw(plan, tmp_path / "scenario.svg"))
     assert plan.scenario.title in texts
     assert set(plan.order) <= set(texts)
     assert {plan.interfaces[name].path.name for name in plan.order} <= set(texts)
@@ -85,14 +85,14 @@ def test_every_unit_and_port_is_named(library: Path, tmp_path: Path) -> None:
 def test_wires_tell_how_much_they_carry(library: Path, tmp_path: Path) -> None:
     for laws, label in (("curvature", "force: 1 value, 7 law members"), ("held", "force: 1 value")):
         plan = load("oscillator-1", None, library, master={"laws": laws})
-        assert label in shown(draw(plan, tmp_path / "scene.svg"))
+        assert label in shown(draw(plan, tmp_path / "scenario.svg"))
 
 
 def test_a_wire_between_unlike_ports_names_both(library: Path, tmp_path: Path) -> None:
     plan = load("oscillator-1", None, library)
     wire = next(c for c in plan.connections if c.output.name == "force.value")
     odd = replace(wire, output=replace(wire.output, name="push", port=""))
-    texts = shown(draw(replace(plan, connections=[odd]), tmp_path / "scene.svg"))
+    texts = shown(draw(replace(plan, connections=[odd]), tmp_path / "scenario.svg"))
     assert "push → force: 1 value" in texts
 
 
@@ -105,20 +105,20 @@ def test_units_that_lack_an_ability_are_marked(library: Path, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png"])
-def test_the_same_scene_gives_the_same_bytes(library: Path, tmp_path: Path, suffix: str) -> None:
+def test_the_same_scenario_gives_the_same_bytes(library: Path, tmp_path: Path, suffix: str) -> None:
     plan = load("flapping-full-wings", None, library)
     first, second = (draw(plan, tmp_path / f"{name}{suffix}") for name in ("one", "two"))
     assert first.read_bytes() == second.read_bytes()
 
 
 def test_a_png_is_one(library: Path, tmp_path: Path) -> None:
-    path = draw(load("oscillator-1", None, library), tmp_path / "new" / "scene.PNG")
+    path = draw(load("oscillator-1", None, library), tmp_path / "new" / "scenario.PNG")
     assert path.read_bytes().startswith(b"\x89PNG")
 
 
 def test_strange_texts_are_shown_as_they_are(library: Path, tmp_path: Path) -> None:
     plan = titled(renamed(load("oscillator-1", None, library), "payload", STRANGE), STRANGE)
-    path = draw(plan, tmp_path / "scene.svg")
+    path = draw(plan, tmp_path / "scenario.svg")
     assert shown(path).count(STRANGE) == 2
     assert "<script" not in path.read_text(encoding="utf-8")
 
@@ -130,8 +130,8 @@ def test_strange_texts_are_shown_as_they_are(library: Path, tmp_path: Path) -> N
 def test_no_title_breaks_a_diagram(library: Path, tmp_path: Path, title: str, seen: str) -> None:
     """Controls and bidi marks are escaped; a script that the font lacks is no error."""
     plan = titled(load("pull-test-L20", None, library), title)
-    assert seen in shown(draw(plan, tmp_path / "scene.svg"))
-    draw(plan, tmp_path / "scene.png")
+    assert seen in shown(draw(plan, tmp_path / "scenario.svg"))
+    draw(plan, tmp_path / "scenario.png")
 
 
 def test_a_long_title_is_broken_and_an_empty_one_replaced(library: Path, tmp_path: Path) -> None:
@@ -145,12 +145,12 @@ def test_a_long_title_is_broken_and_an_empty_one_replaced(library: Path, tmp_pat
 def test_one_unit_without_wires(library: Path, tmp_path: Path) -> None:
     plan = load("oscillator-1", None, library)
     alone = replace(plan, order=["payload"], connections=[], held={})
-    texts = shown(draw(alone, tmp_path / "scene.svg"))
+    texts = shown(draw(alone, tmp_path / "scenario.svg"))
     assert "payload" in texts
     assert not any("at the right" in text for text in texts)
 
 
-@pytest.mark.parametrize("name", ["scene.pdf", "scene", "folder.svg"])
+@pytest.mark.parametrize("name", ["scenario.pdf", "scenario", "folder.svg"])
 def test_a_file_that_cannot_be_drawn_is_refused(library: Path, tmp_path: Path, name: str) -> None:
     (tmp_path / "folder.svg").mkdir()
     with pytest.raises(OutputError, match=name):
@@ -188,8 +188,8 @@ def check_clear(sheet: Sheet) -> None:
                 assert not meet((left, right, top, bottom), wire), text
 
 
-@pytest.mark.parametrize("name", scene_names())
-def test_nothing_lies_on_anything_in_shipped_scenes(library: Path, name: str) -> None:
+@pytest.mark.parametrize("name", scenario_names())
+def test_nothing_lies_on_anything_in_shipped_scenarios(library: Path, name: str) -> None:
     check_clear(layout(load(name, None, library)))
 
 

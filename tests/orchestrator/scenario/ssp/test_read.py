@@ -1,4 +1,4 @@
-"""SSP archives of others as scenes: structure, parameters, units, and what is refused."""
+"""SSP archives of others as scenarios: structure, parameters, units, and what is refused."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-from orchestrator.errors import SceneError
+from orchestrator.errors import ScenarioError
 from orchestrator.results.outcome import Outcome
 from orchestrator.scenario.ssp.names import NAMESPACES
 from orchestrator.simulation.load import load
@@ -153,7 +153,7 @@ def test_systems_in_systems_become_one(tmp_path: Path, native: Path) -> None:
         tmp_path / "n.ssp", described(NESTED, tail=SPAN),
         resources_replay__fmu=native / "replay.fmu", resources_payload__fmu=native / "payload.fmu",
     )  # fmt: skip
-    with pytest.raises(SceneError, match="V is not convertible to N"):
+    with pytest.raises(ScenarioError, match="V is not convertible to N"):
         load(str(path))
     twice = NESTED.replace("drive", "source").replace("resources/replay.fmu", "resources/push.fmu")
     twice = twice.replace("top.voltage", "force")
@@ -223,18 +223,18 @@ def test_variants_and_parameter_sets_are_chosen_by_name(library: Path, tmp_path:
     assert mass("") == pytest.approx(2e-3)
     assert mass(":heavy") == pytest.approx(9e-3)
     assert mass(":other") == pytest.approx(5e-3)
-    with pytest.raises(SceneError, match=r"'heavi'; did you mean 'heavy'"):
+    with pytest.raises(ScenarioError, match=r"'heavi'; did you mean 'heavy'"):
         load(f"{path}:heavi")
 
 
-def test_a_scene_extends_an_archive(library: Path, tmp_path: Path) -> None:
+def test_a_scenario_extends_an_archive(library: Path, tmp_path: Path) -> None:
     packed(
         tmp_path / "a.ssp", described(ALONE, tail=SPAN),
         resources_payload__fmu=library / "payload.fmu",
     )  # fmt: skip
-    scene = tmp_path / "mine.toml"
-    scene.write_text('extends = "a.ssp"\n[components.payload]\nstart = { mass = "6 g" }\n')
-    plan = load(scene)
+    scenario = tmp_path / "mine.toml"
+    scenario.write_text('extends = "a.ssp"\n[components.payload]\nstart = { mass = "6 g" }\n')
+    plan = load(scenario)
     assert plan.starts["payload"]["mass"] == pytest.approx(6e-3)
     assert plan.held["payload.force.value"] == pytest.approx(3e-3)
 
@@ -374,7 +374,7 @@ BAD = {
     ),
     "no system": (described(""), "line 2"),
     "annotation": (
-        described(ALONE, tail='<ssd:Annotations><ssc:Annotation type="org.resilin.scene">'
+        described(ALONE, tail='<ssd:Annotations><ssc:Annotation type="org.resilin.scenario">'
                   "<x>{</x></ssc:Annotation></ssd:Annotations>"),
         "is no JSON",
     ),
@@ -409,7 +409,7 @@ def test_what_cannot_be_taken_over_is_said(
 def test_files_that_are_no_archives(tmp_path: Path, content: bytes, message: str) -> None:
     path = tmp_path / "a.ssp"
     path.write_bytes(content)
-    with pytest.raises(SceneError, match=message):
+    with pytest.raises(ScenarioError, match=message):
         load(str(path))
 
 
@@ -420,11 +420,11 @@ def test_hostile_entries_are_refused_before_anything_is_written(
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("SystemStructure.ssd", described(ALONE))
         archive.writestr("../out.txt", b"x")
-    with pytest.raises(SceneError, match="leaves its folder"):
+    with pytest.raises(ScenarioError, match="leaves its folder"):
         load(str(path))
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("resources/a.fmu", b"x")
-    with pytest.raises(SceneError, match=r"not an SSP: no SystemStructure\.ssd"):
+    with pytest.raises(ScenarioError, match=r"not an SSP: no SystemStructure\.ssd"):
         load(str(path))
     assert not cache.exists()
 
@@ -437,7 +437,7 @@ def test_a_cache_that_is_not_writable(
     )
     (tmp_path / "file").write_text("x")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    with pytest.raises(SceneError, match="set XDG_CACHE_HOME"):
+    with pytest.raises(ScenarioError, match="set XDG_CACHE_HOME"):
         load(str(path))
 
 
@@ -469,7 +469,7 @@ def test_suppressed_conversion_keeps_the_number(tmp_path: Path, native: Path) ->
 
 
 def test_another_tool_writes_and_ours_runs(native: Path, tmp_path: Path) -> None:
-    """The vehicle's bench, written by pyssp-standard from the FMUs and the wires of our scene."""
+    """The vehicle's bench, written by pyssp-standard from our scenario's FMUs and wires."""
     written = by_pyssp(native, tmp_path)
     ours = run(load("oscillator-1", None, native, time={"stop": 0.2, "step": 2e-4}))
     plan = load(str(written), time={"step": 2e-4})

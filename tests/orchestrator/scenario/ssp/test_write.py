@@ -1,4 +1,4 @@
-"""Scenes as SSP archives: valid by the standard's schemas, the same when they come back."""
+"""Scenarios as SSP archives: valid by the standard's schemas, the same when they come back."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lxml import etree
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-from orchestrator.scenario.files import scene_names
+from orchestrator.scenario.files import scenario_names
 from orchestrator.scenario.plan import Plan
 from orchestrator.scenario.ssp.write import VERSIONS, Package, write_ssp
 from orchestrator.simulation.load import load
@@ -50,10 +50,12 @@ def assert_valid(name: str, version: str, root: Any) -> None:
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("scene", scene_names())
-def test_every_scene_is_valid_ssp(native: Path, tmp_path: Path, scene: str, version: str) -> None:
+@pytest.mark.parametrize("scenario", scenario_names())
+def test_every_scenario_is_valid_ssp(
+    native: Path, tmp_path: Path, scenario: str, version: str
+) -> None:
     path = tmp_path / "a.ssp"
-    write_ssp(Package(load(scene, None, native), {}, version=version), path)
+    write_ssp(Package(load(scenario, None, native), {}, version=version), path)
     with zipfile.ZipFile(path) as archive:
         root = etree.fromstring(archive.read("SystemStructure.ssd"))
         values = etree.fromstring(archive.read("resources/parameters.ssv"))
@@ -70,10 +72,10 @@ def recorded(plan: Plan) -> set[str]:
     return {f"{component}.{variable.name}" for component, variable in plan.records}
 
 
-@pytest.mark.parametrize("scene", scene_names())
-def test_every_scene_comes_back_as_it_was(native: Path, tmp_path: Path, scene: str) -> None:
+@pytest.mark.parametrize("scenario", scenario_names())
+def test_every_scenario_comes_back_as_it_was(native: Path, tmp_path: Path, scenario: str) -> None:
     """Wires, starts, holds, records, order, grid: what a run is made of."""
-    plan = load(scene, None, native)
+    plan = load(scenario, None, native)
     write_ssp(Package(plan, {}), tmp_path / "a.ssp")
     back = load(str(tmp_path / "a.ssp"))
 
@@ -96,13 +98,13 @@ def test_every_scene_comes_back_as_it_was(native: Path, tmp_path: Path, scene: s
             assert back.held.get(key, back.starts[name].get(v.name, v.start)) == mine, key
 
 
-@pytest.mark.parametrize("scene", ["flapping-full-wings", "oscillator-1"])
-def test_an_exported_scene_runs_to_the_same_bits(
-    native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scene: str
+@pytest.mark.parametrize("scenario", ["flapping-full-wings", "oscillator-1"])
+def test_an_exported_scenario_runs_to_the_same_bits(
+    native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scenario: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    exported(native, scene, "--to", "a.ssp", "--stop", "10 cycles")
-    one = run(load(scene, None, native, time={"stop": "10 cycles"}))
+    exported(native, scenario, "--to", "a.ssp", "--stop", "10 cycles")
+    one = run(load(scenario, None, native, time={"stop": "10 cycles"}))
     other = run(load("a.ssp"))
     assert sorted(one.names) == sorted(other.names)
     for name in one.names:
@@ -148,13 +150,13 @@ def test_a_recording_goes_along_as_an_fmu(
 
 
 def test_actions_and_faults_stay_with_us_and_are_told(native: Path, tmp_path: Path) -> None:
-    scene = tmp_path / "s.toml"
-    scene.write_text(
+    scenario = tmp_path / "s.toml"
+    scenario.write_text(
         'extends = "oscillator-1"\n[[actions]]\nat = "10 ms"\n'
         'set = { "amplifier.amplitude" = "1 kV" }\n'
         '[[faults]]\nat = "20 ms"\non = "spring"\nkind = "freeze"\n'
     )
-    plan = load(scene, None, native)
+    plan = load(scenario, None, native)
     remarks = write_ssp(Package(plan, {}), tmp_path / "a.ssp")
     assert any("1 timed actions" in line for line in remarks)
     assert any("1 injected faults" in line for line in remarks)

@@ -1,4 +1,4 @@
-"""Linearised scenes: poles against closed forms, step maps against runs."""
+"""Linearised scenarios: poles against closed forms, step maps against runs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from orchestrator.simulation.linear.state_space import linearise, realise
 from orchestrator.simulation.linear.step_map import MAPPED, limit, step_map
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
-from tests.evals.two_masses import scenes
+from tests.evals.two_masses import scenarios
 from tests.foreign.build import foreign
 
 runner = CliRunner()
@@ -26,12 +26,12 @@ COMMAND = "amplifier.command.top"
 SHOWN = ["payload.displacement", "amplifier.top.voltage"]
 
 
-def still(library: Path, scene: str = "oscillator-1", changes: dict[str, str] | None = None,
+def still(library: Path, scenario: str = "oscillator-1", changes: dict[str, str] | None = None,
           **options: Any) -> Plan:  # fmt: skip
     """An oscillator at rest under 1 kV on its top cone."""
     quiet = {"amplifier.waveform": "external", **(changes or {})}
     time = {"stop": 1.0, **options.pop("time", {})}
-    return load(scene, quiet, library, hold={COMMAND: "1 kV"}, time=time, **options)
+    return load(scenario, quiet, library, hold={COMMAND: "1 kV"}, time=time, **options)
 
 
 @pytest.mark.parametrize("number", range(1, 6))
@@ -106,7 +106,7 @@ def test_the_map_grows_as_the_run_does(library: Path, laws: str, step: float) ->
 @pytest.mark.parametrize("kind", MAPPED)
 def test_the_limit_of_two_masses(library: Path, tmp_path: Path, kind: str) -> None:
     """A damped pair: largest stable step by the map within 10 % of that by running."""
-    path = scenes(tmp_path) / "numbers.toml"
+    path = scenarios(tmp_path) / "numbers.toml"
     changes = {f"{m}.damping": "0.2" for m in ("first", "second")}
     changes |= {f"{m}.start_displacement": "0" for m in ("first", "second")}
     options = {"hold": {}, "time": {"step": 0.01, "stop": 100.0}, "master": {"kind": kind}}
@@ -180,15 +180,15 @@ def test_the_limit_of_a_split_electrode(library: Path, tmp_path: Path, kind: str
     """A current held over a step is stable below 2 R C = 0.1 s, by map and by running."""
     foreign("MASS", tmp_path)
     foreign("PAIR", tmp_path)
-    scene = tmp_path / "split.toml"
-    scene.write_text(SPLIT)
-    predicted = limit(load(scene, None, library), kind, 0.01, 0.5, within=3e-3)
+    scenario = tmp_path / "split.toml"
+    scenario.write_text(SPLIT)
+    predicted = limit(load(scenario, None, library), kind, 0.01, 0.5, within=3e-3)
     assert predicted == pytest.approx(0.1, rel=0.01)
 
     def grows(step: float) -> bool:
         pushed = {"capacitor.start_velocity": "1"}
         time = {"step": step, "stop": 200 * step}
-        done = run(load(scene, pushed, library, time=time, master={"kind": kind}))
+        done = run(load(scenario, pushed, library, time=time, master={"kind": kind}))
         return done.failure is not None or abs(done.series("capacitor.velocity")[-1]) > 1.0
 
     assert bisected(grows, 0.01, 0.5) == pytest.approx(predicted, rel=0.01)
@@ -203,15 +203,15 @@ def test_our_electrode_has_no_limit(
 
     Time constants of 1 us and 0.1 s, steps from 10 us to 1 s.
     """
-    scene = tmp_path / "electrode.toml"
-    scene.write_text(
+    scenario = tmp_path / "electrode.toml"
+    scenario.write_text(
         'extends = "oscillator-1"\nwithout = ["payload"]\n'
         '[hold]\n"spring.motion.displacement" = 0.0\n'
     )
     changes = {"amplifier.resistance": resistance, "spring.capacitance": capacitance}
     changes |= {"amplifier.waveform": "external"}
     hold = {COMMAND: "1 kV"}
-    plan = load(scene, changes, library, hold=hold, master={"laws": laws}, time={"stop": 1.0})
+    plan = load(scenario, changes, library, hold=hold, master={"laws": laws}, time={"stop": 1.0})
     for step in (1e-5, 1e-3, 1.0):
         for kind in MAPPED:
             assert step_map(plan, step).radius(kind) <= 1.0 + 1e-6
@@ -219,7 +219,7 @@ def test_our_electrode_has_no_limit(
 
 @pytest.mark.parametrize("laws", ["held", "curvature"])
 def test_units_joined_in_python_control(library: Path, laws: str) -> None:
-    """Its interconnection of our units by the scene's wires has the poles of our Jacobi map."""
+    """Its interconnection of our units by the scenario's wires has the poles of our Jacobi map."""
     mapped = step_map(still(library, master={"laws": laws}))
     joined = mapped.interconnected()
     assert joined.dt == mapped.step
@@ -234,7 +234,7 @@ def test_units_joined_in_python_control(library: Path, laws: str) -> None:
 
 
 def test_an_unstable_wire_is_named(library: Path, tmp_path: Path) -> None:
-    path = scenes(tmp_path) / "numbers.toml"
+    path = scenarios(tmp_path) / "numbers.toml"
     changes = {f"{m}.damping": "0.2" for m in ("first", "second")}
     changes |= {"first.start_displacement": "0", "pair.stiffness": "1000"}
     mapped = step_map(load(path, changes, library, time={"step": 1e-4}), 0.05)
@@ -247,7 +247,7 @@ def test_what_cannot_be_linearised_is_told(library: Path, tmp_path: Path) -> Non
         linearise(load("oscillator-1", {"amplifier.amplitude": "1 V"}, library))
     with pytest.raises(InputError, match="is not held; there is"):
         linearise(still(library), ["spring.top.voltage"])
-    path = scenes(tmp_path, rollback=False) / "numbers.toml"
+    path = scenarios(tmp_path, rollback=False) / "numbers.toml"
     with pytest.raises(InputError, match="cannot roll back"):
         linearise(load(path, None, library))
     with pytest.raises(InputError, match="its step has no map"):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.errors import SceneError, SimulationError
+from orchestrator.errors import ScenarioError, SimulationError
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import MASTERS
 from orchestrator.simulation.run import run
@@ -90,8 +90,10 @@ def test_a_master_that_needs_rollback_says_so_at_load(library: Path, tmp_path: P
                 assert yes in text
                 text = text.replace(yes, no)
             new.writestr(name, text)
-    scene = tmp_path / "scene.toml"
-    scene.write_text('extends = "oscillator-1"\n[components.payload]\nfmu = "./plain.fmu"\n')
-    load(scene, None, library)
-    with pytest.raises(SceneError, match="needs rollback, which payload cannot do; gauss-seidel"):
-        load(scene, None, library, master={"kind": "iterative"})
+    scenario = tmp_path / "scenario.toml"
+    scenario.write_text('extends = "oscillator-1"\n[components.payload]\nfmu = "./plain.fmu"\n')
+    load(scenario, None, library)
+    with pytest.raises(
+        ScenarioError, match="needs rollback, which payload cannot do; gauss-seidel"
+    ):
+        load(scenario, None, library, master={"kind": "iterative"})

@@ -1,4 +1,4 @@
-"""Fits: that a known parameter comes back, that the scenes carry what the file says."""
+"""Fits: that a known parameter comes back, that the scenarios carry what the file says."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-from orchestrator.errors import InputError, SceneError, SimulationError
+from orchestrator.errors import InputError, ScenarioError, SimulationError
 from orchestrator.studies.calibration import calibrate, load_fits, shipped
 from orchestrator.studies.calibration.predictions import Model
 from orchestrator.studies.calibration.table import data, facts, parameters
@@ -23,14 +23,14 @@ name = "static"
 [[fits.parameters]]
 name = "force"
 sets = "spring.blocked_force"
-scenes = ["oscillator-1"]
+scenarios = ["oscillator-1"]
 value = "0.1 N"
 low = "0.01 N"
 high = "1 N"
 [[fits.data]]
 name = "travel"
 where = "made up"
-scene = "oscillator-1"
+scenario = "oscillator-1"
 metric = "travel"
 stop = "2 cycles"
 set = { "amplifier.frequency" = "5 Hz", "spring.loss_factor" = 0.6 }
@@ -40,7 +40,7 @@ value = "2 mm"
 [[fits.data]]
 name = "phase"
 where = "made up"
-scene = "oscillator-1"
+scenario = "oscillator-1"
 metric = "phase"
 stop = "2 cycles"
 set = { "amplifier.frequency" = "5 Hz", "spring.loss_factor" = 0.6 }
@@ -71,11 +71,11 @@ def test_a_force_comes_back(native: Path, tmp_path: Path) -> None:
 
 
 def test_the_scenes_carry_what_was_fitted(native: Path) -> None:
-    """One set of parameters, no retuning hidden in a scene."""
+    """One set of parameters, no retuning hidden in a scenario."""
     for fit in load_fits(shipped()):
         model = Model(fit, native)
         for parameter, value in zip(fit.parameters, model.start, strict=True):
-            assert model.carried(parameter) == pytest.approx([value] * len(parameter.scenes))
+            assert model.carried(parameter) == pytest.approx([value] * len(parameter.scenarios))
 
 
 def test_peaks_are_found_once_for_height_and_place(native: Path) -> None:
@@ -111,7 +111,7 @@ def test_a_range_without_a_peak_is_told(native: Path, tmp_path: Path) -> None:
     ],
 )
 def test_a_bad_file_is_refused(tmp_path: Path, old: str, new: str, reason: str) -> None:
-    with pytest.raises(SceneError, match=reason):
+    with pytest.raises(ScenarioError, match=reason):
         load_fits(written(tmp_path, FIT.replace(old, new, 1)))
 
 
@@ -121,7 +121,7 @@ def test_a_bad_file_is_refused(tmp_path: Path, old: str, new: str, reason: str) 
         ("spring.blocked_force", "spring.blocked_farce", "no parameter 'blocked_farce'; did you"),
         ('"0.1 N"', '"0.1 V"', "force: .*V"),
         ('metric = "travel"', 'metric = "travels"', "no metric 'travels'; did you mean 'travel'"),
-        ('scenes = ["oscillator-1"]', 'scenes = ["oscillator-2"]', "no datum is of scene"),
+        ('scenarios = ["oscillator-1"]', 'scenarios = ["oscillator-2"]', "no datum is of scenario"),
     ],
 )
 def test_what_the_scenes_do_not_have_is_told(

@@ -231,7 +231,7 @@ def test_the_command(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     code, said, _ = called(
-        native, str(oscillation), "--scene", "oscillator-1", "--part", "spring", "--part",
+        native, str(oscillation), "--scenario", "oscillator-1", "--part", "spring", "--part",
         "payload", "--parameters", "payload.mass,spring.loss_factor=0.1:0.5", "--set",
         "payload.mass=0.7 g", "--html", "fit.html", "--json",
     )  # fmt: skip
@@ -251,7 +251,7 @@ def test_the_command(
 
 
 BENCH = ("bench.csv", "--part", "payload", "--parameters", "mass")
-SCENE = ("--scene", "oscillator-1", "--part", "payload", "--parameters", "mass")
+SCENARIO = ("--scenario", "oscillator-1", "--part", "payload", "--parameters", "mass")
 
 
 @pytest.mark.parametrize(
@@ -271,7 +271,10 @@ SCENE = ("--scene", "oscillator-1", "--part", "payload", "--parameters", "mass")
         (("bench.csv", "--part", "payload", "--parameters", "mass=1 g:2 g"), "starts at"),
         (("bench.csv", "--part", "payload", "--parameters", "start_velocity"), "give bounds"),
         (("bench.csv", "--part", "aero", "--parameters", "air_density"), "no column of an input"),
-        (("bench.csv", "--part", "payload", "--part", "spring", "--parameters", "mass"), "--scene"),
+        (
+            ("bench.csv", "--part", "payload", "--part", "spring", "--parameters", "mass"),
+            "--scenario",
+        ),
         (("two.csv", *BENCH[1:]), "too few to fit"),
         (("inputs.csv", *BENCH[1:]), "no column of an output"),
         ((*BENCH, "--output", "flap_angle"), "no such recorded output"),
@@ -286,9 +289,9 @@ SCENE = ("--scene", "oscillator-1", "--part", "payload", "--parameters", "mass")
         ((*BENCH, "--level", "1.5"), "between 0 and 1"),
         ((*BENCH, "--picture", "fit.doc"), "are .png"),
         ((*BENCH, "--html", "fit.txt"), "pages are HTML"),
-        (("bench.csv", *SCENE), "has no column of spring.force"),
-        (("bench.csv", "--scene", "oscilator-1", *SCENE[2:]), "did you mean 'oscillator-1'"),
-        (("bench.csv", *SCENE[:2], "--part", "paylod", *SCENE[4:]), "did you mean 'payload'"),
+        (("bench.csv", *SCENARIO), "has no column of spring.force"),
+        (("bench.csv", "--scenario", "oscilator-1", *SCENARIO[2:]), "did you mean 'oscillator-1'"),
+        (("bench.csv", *SCENARIO[:2], "--part", "paylod", *SCENARIO[4:]), "did you mean 'payload'"),
     ],
 )
 def test_bad_input_is_told_in_a_line(

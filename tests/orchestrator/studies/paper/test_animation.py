@@ -12,32 +12,32 @@ import pytest
 
 from orchestrator.report.animation import Animation, Body
 from orchestrator.studies.paper.animation import INNER, flight
-from orchestrator.studies.paper.cached_runs import Lab
+from orchestrator.studies.paper.cached_runs import CachedRuns
 from orchestrator.studies.paper.figure4 import NODES, figure4, outline
 from orchestrator.studies.paper.job import Answer, Job
 from orchestrator.studies.paper.linkage_pose import joints, links
 from orchestrator.studies.paper.published_values import given
-from orchestrator.studies.paper.store import Store
+from orchestrator.studies.paper.store import RunCache
 
 KEPT = ("linkage.displacement", "linkage.flap_angle")
 
 
 @pytest.fixture(scope="module")
-def lab(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
-    with Lab(library, Store(tmp_path_factory.mktemp("runs")), workers=1) as made:
+def cached_runs(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[CachedRuns]:
+    with CachedRuns(library, RunCache(tmp_path_factory.mktemp("runs")), workers=1) as made:
         yield made
 
 
 @pytest.fixture(scope="module")
-def flown(lab: Lab) -> Answer:
+def flown(cached_runs: CachedRuns) -> Answer:
     job = Job("flapping-full-wings", keep=KEPT, length=12, per_cycle=60, cycles=2)
-    (answer,) = lab.answers([job])
+    (answer,) = cached_runs.answers([job])
     return answer
 
 
 @pytest.fixture(scope="module")
-def film(lab: Lab) -> Animation:
-    item = flight(lab)
+def film(cached_runs: CachedRuns) -> Animation:
+    item = flight(cached_runs)
     assert not item.failures
     (made,) = item.extras
     assert isinstance(made, Animation)
@@ -118,9 +118,9 @@ def test_the_wing_is_rigid_and_attached(film: Animation) -> None:
         assert math.hypot(x[1] - x[0], y[1] - y[0]) == pytest.approx(40.0)
 
 
-def test_the_cones_bulge_under_voltage(lab: Lab) -> None:
+def test_the_cones_bulge_under_voltage(cached_runs: CachedRuns) -> None:
     """Radii are monotone along a meridian, and larger in its middle when active."""
-    figure, stopped = figure4(lab)
+    figure, stopped = figure4(cached_runs)
     assert not stopped
     hollow, full = figure.plots
     for passive, active in zip(hollow.curves, full.curves, strict=True):

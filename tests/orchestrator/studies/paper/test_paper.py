@@ -13,34 +13,34 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-from orchestrator.errors import InputError, OutputError, SceneError
+from orchestrator.errors import InputError, OutputError, ScenarioError
 from orchestrator.report.page import rendered
-from orchestrator.scenario.files import scene_names
+from orchestrator.scenario.files import scenario_names
 from orchestrator.studies.paper import published_values
-from orchestrator.studies.paper.cached_runs import Lab
-from orchestrator.studies.paper.comparison import Item, Row
+from orchestrator.studies.paper.cached_runs import CachedRuns
+from orchestrator.studies.paper.comparison import Comparison, Row
 from orchestrator.studies.paper.equation6 import equation6
 from orchestrator.studies.paper.figure7 import figure7
 from orchestrator.studies.paper.figure13 import figure13
-from orchestrator.studies.paper.frequency_sweep import Spectrum, Sweep, spectra
+from orchestrator.studies.paper.frequency_sweep import FrequencySweep, Sweep, frequency_sweeps
 from orchestrator.studies.paper.job import Answer, Job, carry_out, identity
 from orchestrator.studies.paper.metrics import amplitude, harmonics, power
 from orchestrator.studies.paper.page import TONES, facts, page
-from orchestrator.studies.paper.reproduction import BEYOND, ITEMS, Reproduction, chosen
-from orchestrator.studies.paper.store import Store
+from orchestrator.studies.paper.reproduction import BEYOND, COMPARISONS, Reproduction, chosen
+from orchestrator.studies.paper.store import RunCache
 
 runner = CliRunner()
 SHORT = Job("oscillator-1", length=4, per_cycle=20, cycles=2, keep=("payload.kinetic_energy",))
 
 
 @pytest.fixture(scope="module")
-def lab(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
-    with Lab(library, Store(tmp_path_factory.mktemp("runs")), workers=1) as made:
+def cached_runs(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[CachedRuns]:
+    with CachedRuns(library, RunCache(tmp_path_factory.mktemp("runs")), workers=1) as made:
         yield made
 
 
 def test_every_number_has_a_mark_and_a_place() -> None:
-    for item in ITEMS:
+    for item in COMPARISONS:
         assert published_values.keys(item)
         for key in published_values.keys(item):
             stated = published_values.number(key)
@@ -59,7 +59,7 @@ def test_what_was_calibrated_on_is_no_prediction() -> None:
     assert predicted == ["figure11.full_wings_stroke"]
     assert set(kinds.values()) == {"predicted", "calibrated"}
     for key, model in (
-        ("figure3.main_amplitude", "scene"),
+        ("figure3.main_amplitude", "scenario"),
         ("figure3.vhb_low", ""),
         ("table1.displacement_1", "film"),
         ("table1.measured_5", "film"),
@@ -76,7 +76,7 @@ def test_a_mark_of_one_model_is_not_that_of_another() -> None:
 
 
 def test_scenes_of_the_paper_are_no_scenes_to_run() -> None:
-    assert not {"numbers", "marks"} & set(scene_names())
+    assert not {"numbers", "marks"} & set(scenario_names())
 
 
 def test_a_row_against_the_paper() -> None:
@@ -90,7 +90,7 @@ def test_a_row_against_the_paper() -> None:
 
 
 def test_names_of_items() -> None:
-    assert chosen([]) == [*ITEMS, *BEYOND]
+    assert chosen([]) == [*COMPARISONS, *BEYOND]
     assert chosen(["table1", "figure3"]) == ["figure3", "table1"]
     with pytest.raises(InputError, match="did you mean 'figure11'"):
         chosen(["figure 11"])
@@ -99,13 +99,13 @@ def test_names_of_items() -> None:
 def test_a_run_is_made_once(library: Path, tmp_path: Path) -> None:
     """A second lab over the same folder has the answer without a worker; a changed one has not."""
     folder = tmp_path / "runs"
-    with Lab(library, Store(folder), workers=1) as first:
+    with CachedRuns(library, RunCache(folder), workers=1) as first:
         (answer,) = first.answers([SHORT])
         assert first.answers([SHORT, SHORT]) == [answer, answer]
     assert first.ran == 1
     assert answer.status == "done"
     assert [p.suffix for p in folder.iterdir()] == [".json"]
-    with Lab(library, Store(folder), workers=1) as second:
+    with CachedRuns(library, RunCache(folder), workers=1) as second:
         (again,) = second.answers([SHORT])
     assert second.ran == 0
     assert again.metrics == answer.metrics
@@ -113,10 +113,10 @@ def test_a_run_is_made_once(library: Path, tmp_path: Path) -> None:
 
 
 def test_what_an_identity_depends_on(library: Path, tmp_path: Path) -> None:
-    """Scene, start values, steps, what is looked at, and the FMUs' bytes."""
+    """Scenario, start values, steps, what is looked at, and the FMUs' bytes."""
     one = identity(SHORT, library)
     others = [
-        replace(SHORT, scene="oscillator-2"),
+        replace(SHORT, scenario="oscillator-2"),
         replace(SHORT, changes={"payload.mass": "1 g"}),
         replace(SHORT, cycles=3),
         replace(SHORT, keep=()),
@@ -134,7 +134,7 @@ def test_what_an_identity_depends_on(library: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("damage", ["", "{", '{"answer": {}, "sha256": ""}', "[]"])
 def test_a_damaged_answer_is_none(tmp_path: Path, damage: str) -> None:
-    store = Store(tmp_path)
+    store = RunCache(tmp_path)
     answer = {"status": "done", "reason": "", "metrics": {}, "times": [], "rows": {},
               "wall_time": 0.0, "steps": 1}  # fmt: skip
     store.write("key", answer)
@@ -143,7 +143,7 @@ def test_a_damaged_answer_is_none(tmp_path: Path, damage: str) -> None:
     assert store.read("key") is None
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="cannot be made"):
-        Store(tmp_path / "file" / "runs").prepare()
+        RunCache(tmp_path / "file" / "runs").prepare()
 
 
 def test_a_run_that_stops_is_an_answer(library: Path) -> None:
@@ -153,30 +153,30 @@ def test_a_run_that_stops_is_an_answer(library: Path) -> None:
     assert content["status"] == "failed"
     assert content["reason"]
     assert math.isnan(
-        Spectrum(Sweep("a", [1.0]), {1.0: Answer("failed", "why")}).at(1.0, amplitude)
+        FrequencySweep(Sweep("a", [1.0]), {1.0: Answer("failed", "why")}).at(1.0, amplitude)
     )
-    unfit = carry_out((replace(SHORT, scene="oscillator-9"), str(library), ""))
+    unfit = carry_out((replace(SHORT, scenario="oscillator-9"), str(library), ""))
     assert "unfit" in unfit
 
 
 def test_missing_parts_are_told_before_anything_runs(tmp_path: Path) -> None:
     with (
-        Lab(tmp_path / "none", Store(tmp_path / "runs"), workers=1) as lab,
-        pytest.raises(SceneError, match="resilin build"),
+        CachedRuns(tmp_path / "none", RunCache(tmp_path / "runs"), workers=1) as cached_runs,
+        pytest.raises(ScenarioError, match="resilin build"),
     ):
-        lab.answers([SHORT])
+        cached_runs.answers([SHORT])
 
 
-def test_a_peak_is_refined_and_its_step_judged(lab: Lab) -> None:
+def test_a_peak_is_refined_and_its_step_judged(cached_runs: CachedRuns) -> None:
     """Oscillator 3 by five frequencies: what lies between is found by bisection."""
     sweep = Sweep("oscillator-3", [20.0, 23.0, 26.0, 29.0], settle=0.2, per_cycle=30)
-    (found,) = spectra(lab, [sweep], amplitude)
+    (found,) = frequency_sweeps(cached_runs, [sweep], amplitude)
     assert len(found.answers) > 4
     peak = found.peak(amplitude)
     assert peak is not None
     assert 23.0 < peak.at < 26.5
     assert found.maxima(amplitude)[0].value == pytest.approx(peak.value)
-    measured = lab.measured(sweep.job(26.0), amplitude)
+    measured = cached_runs.measured(sweep.job(26.0), amplitude)
     assert 0.0 < measured.doubt < 0.02 * measured.value
 
 
@@ -191,12 +191,12 @@ def test_power_of_a_harmonic_motion() -> None:
 
 
 @pytest.fixture(scope="module")
-def quick(lab: Lab) -> list[Item]:
+def quick(cached_runs: CachedRuns) -> list[Comparison]:
     """Items that cost a few runs."""
-    return [figure7(lab), figure13(lab), equation6(lab)]
+    return [figure7(cached_runs), figure13(cached_runs), equation6(cached_runs)]
 
 
-def test_items_have_rows_marks_and_curves(quick: list[Item]) -> None:
+def test_items_have_rows_marks_and_curves(quick: list[Comparison]) -> None:
     for item in quick:
         assert not item.failures
         assert {row.key for row in item.rows} == set(published_values.keys(item.key))
@@ -204,7 +204,7 @@ def test_items_have_rows_marks_and_curves(quick: list[Item]) -> None:
         assert all(curve.x for f in item.figures for plot in f.plots for curve in plot.curves)
 
 
-def test_numbers_that_the_model_document_states(quick: list[Item]) -> None:
+def test_numbers_that_the_model_document_states(quick: list[Comparison]) -> None:
     pull, _, lift = quick
     stiffness = {row.reading: row.ours for row in pull.rows if row.key == "figure7.stiffness"}
     assert stiffness["L = 30 mm"] == pytest.approx(85.0, rel=1e-2)
@@ -216,7 +216,7 @@ def test_numbers_that_the_model_document_states(quick: list[Item]) -> None:
     }
 
 
-def test_the_page_holds_every_row(quick: list[Item], library: Path) -> None:
+def test_the_page_holds_every_row(quick: list[Comparison], library: Path) -> None:
     found = Reproduction(quick, 0, 0.0)
     text = rendered(page(found, library))
     for item in quick:
@@ -269,7 +269,7 @@ def test_all_of_the_paper(native: Path, tmp_path: Path) -> None:
     done = runner.invoke(app, line)
     assert done.exit_code == 0, done.output
     told = json.loads(done.stdout)
-    stated = {key for item in ITEMS for key in published_values.keys(item)}
+    stated = {key for item in COMPARISONS for key in published_values.keys(item)}
     assert {row["key"] for row in told["rows"]} == stated
     assert not told["failures"]
     assert target.stat().st_size < 8e6

@@ -11,13 +11,13 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-from orchestrator.errors import InputError, SceneError
+from orchestrator.errors import InputError, ScenarioError
 from orchestrator.report.page import rendered
 from orchestrator.studies.precision.method import Method, parse_method
 from orchestrator.studies.precision.page import page
 from orchestrator.studies.precision.study import Study, precision
 from orchestrator.studies.precision.table import advice, draw, write
-from tests.evals.two_masses import exact, scenes
+from tests.evals.two_masses import exact, scenarios
 
 runner = CliRunner()
 
@@ -25,7 +25,7 @@ runner = CliRunner()
 @pytest.fixture(scope="module")
 def numbers(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Study:
     """Two masses that know no laws, measured against themselves; a step that diverges too."""
-    folder = scenes(tmp_path_factory.mktemp("two"))
+    folder = scenarios(tmp_path_factory.mktemp("two"))
     methods = [Method(kind, "held") for kind in ("gauss-seidel", "extrapolated")]
     return precision(
         folder / "numbers.toml", library, methods=methods, ladder=(80.0, 2.0, 1.0, 0.5),
@@ -34,10 +34,10 @@ def numbers(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 def test_orders_against_itself(numbers: Study) -> None:
-    """A scene without a monolith is iterated finely, and that reference's own error is bounded."""
+    """Without a monolith the scenario is iterated finely, and that reference's error is bounded."""
     assert "iterative" in numbers.reference
     assert 0.0 < numbers.bound["first.displacement"] < 3e-4
-    finest = {str(r.method): r for r in numbers.rungs if r.step == pytest.approx(5e-3)}
+    finest = {str(r.method): r for r in numbers.runs if r.step == pytest.approx(5e-3)}
     assert finest["gauss-seidel, held"].order == pytest.approx(1.0, abs=0.25)
     assert finest["extrapolated, held"].order == pytest.approx(2.0, abs=0.1)
 
@@ -46,17 +46,17 @@ def test_errors_are_those_of_the_closed_form(numbers: Study, library: Path, tmp_
     from orchestrator.simulation.load import load
     from orchestrator.simulation.run import run
 
-    rung = next(r for r in numbers.rungs if r.step == 1e-2 and r.method.kind == "extrapolated")
-    path = scenes(tmp_path) / "numbers.toml"
+    measured = next(r for r in numbers.runs if r.step == 1e-2 and r.method.kind == "extrapolated")
+    path = scenarios(tmp_path) / "numbers.toml"
     changes = {"pair.stiffness": "10"}
     done = run(load(path, changes, library, master={"kind": "extrapolated"}))
     true = abs(done.series("first.displacement") - exact(done.times, 10.0)).max()
-    assert rung.largest["first.displacement"] == pytest.approx(true, rel=0.05)
+    assert measured.largest["first.displacement"] == pytest.approx(true, rel=0.05)
 
 
 def test_what_failed_stays_in(numbers: Study, tmp_path: Path) -> None:
     """Eighty times the step is past the stability limit: marked with its reason, written out."""
-    failed = [r for r in numbers.rungs if r.status != "done"]
+    failed = [r for r in numbers.runs if r.status != "done"]
     assert {r.step for r in failed} == {0.8}
     assert all(r.status.startswith("stopped: ") for r in failed)
     with write(numbers, tmp_path / "t.csv").open(encoding="utf-8") as file:
@@ -74,20 +74,20 @@ def test_advice_is_the_cheapest_that_is_good_enough(numbers: Study) -> None:
     assert numbers.error(best) <= 1e-2
     assert all(
         r.wall_time >= best.wall_time
-        for r in numbers.rungs
+        for r in numbers.runs
         if r.status == "done" and numbers.error(r) <= 1e-2
     )
 
 
-def test_the_monolith_is_the_reference_of_our_scenes(library: Path) -> None:
+def test_the_monolith_is_the_reference_of_our_scenarios(library: Path) -> None:
     study = precision(
         "oscillator-1", library, methods=[Method("gauss-seidel", "curvature")],
         ladder=(2.0, 1.0), repeats=1, options={"time": {"stop": "3 cycles"}},
     )  # fmt: skip
     assert study.reference.startswith("the monolith")
     assert study.variables == ["payload.displacement"]
-    assert study.error(study.rungs[-1]) < 1e-4
-    assert study.rungs[-1].calls == 3 * study.rungs[-1].steps
+    assert study.error(study.runs[-1]) < 1e-4
+    assert study.runs[-1].calls == 3 * study.runs[-1].steps
 
 
 @pytest.mark.parametrize(
@@ -104,8 +104,8 @@ def test_bad_methods_are_refused(text: str, problem: str) -> None:
 
 
 def test_bad_requests_are_refused(library: Path, tmp_path: Path) -> None:
-    path = scenes(tmp_path) / "numbers.toml"
-    with pytest.raises(SceneError, match="not a part of the monolith"):
+    path = scenarios(tmp_path) / "numbers.toml"
+    with pytest.raises(ScenarioError, match="not a part of the monolith"):
         precision(path, library, reference="monolith")
     with pytest.raises(InputError, match=r"did you mean 'first\.displacement'"):
         precision(path, library, variables=["first.displacment"], ladder=(1.0,))
@@ -121,16 +121,16 @@ def test_the_command_writes_table_and_picture(library: Path, tmp_path: Path) -> 
     method = ["--method", "gauss-seidel", "--json", "--output", str(target)]
     done = runner.invoke(app, ["precision", "oscillator-1", *options, *method])
     assert done.exit_code == 0, done.output
-    rungs = json.loads(done.stdout)["rungs"]
-    assert {r["variable"] for r in rungs} >= {"payload.displacement", "spring.force.value"}
+    runs = json.loads(done.stdout)["runs"]
+    assert {r["variable"] for r in runs} >= {"payload.displacement", "spring.force.value"}
     assert sorted(p.name for p in tmp_path.iterdir()) == ["p.csv", "p.svg"]
 
 
 def test_a_page_of_all_rungs(numbers: Study) -> None:
-    """Failures with their reasons too; what a scene calls itself stays text."""
+    """Failures with their reasons too; what a scenario calls itself stays text."""
     text = rendered(page(replace(numbers, title="<script>x</script>")))
     assert "<script>x" not in text
-    assert text.count("<tr>") == 1 + len(numbers.rungs)
+    assert text.count("<tr>") == 1 + len(numbers.runs)
     assert "stopped: " in text
 
 

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-from orchestrator.errors import SceneError
+from orchestrator.errors import ScenarioError
 from orchestrator.report.page import rendered
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
@@ -26,16 +26,16 @@ runner = CliRunner()
 CASES = """
 [[cases]]
 name = "easy"
-scene = { extends = "oscillator-1", time = { stop = "2 cycles" } }
+scenario = { extends = "oscillator-1", time = { stop = "2 cycles" } }
 per_cycle = [4, 16, 64]
 [[cases]]
 name = "light"
-scene = { extends = "oscillator-1", time = { stop = "2 cycles" } }
+scenario = { extends = "oscillator-1", time = { stop = "2 cycles" } }
 set = { "payload.mass" = "1 mg" }
 per_cycle = [16, 64]
 [[cases]]
 name = "gone"
-scene = { extends = "oscillator-1", time = { stop = "2 cycles" }, faults = [{ at = "1 cycle", on = "spring", kind = "drop" }] }
+scenario = { extends = "oscillator-1", time = { stop = "2 cycles" }, faults = [{ at = "1 cycle", on = "spring", kind = "drop" }] }
 per_cycle = [16]
 """  # noqa: E501
 
@@ -103,7 +103,7 @@ def test_a_page_of_all_trials(study: Study) -> None:
 
 
 def test_shipped_cases_are_whole(library: Path) -> None:
-    """Every case of the list that comes with the package is a scene that loads."""
+    """Every case of the list that comes with the package is a scenario that loads."""
     cases = load_cases(shipped())
     assert len(cases) >= 35
     for case in cases:
@@ -116,7 +116,7 @@ def test_shipped_cases_are_whole(library: Path) -> None:
     ("text", "reason"),
     [
         ("cases = 3", "cases"),
-        ("[[cases]]\nname = 'a'", "scene: Field required"),
+        ("[[cases]]\nname = 'a'", "scenario: Field required"),
         (CASES + CASES, "two cases are called easy, gone, light"),
         ("[[cases]]\nname = 'a'\nscene = {}\nper_cycle = [0]", "per_cycle.0"),
         ("[[cases", "not TOML"),
@@ -125,7 +125,7 @@ def test_shipped_cases_are_whole(library: Path) -> None:
 def test_a_bad_list_is_refused(tmp_path: Path, text: str, reason: str) -> None:
     file = tmp_path / "bad.toml"
     file.write_text(text)
-    with pytest.raises(SceneError, match=reason):
+    with pytest.raises(ScenarioError, match=reason):
         load_cases(file)
 
 
@@ -135,10 +135,10 @@ def test_all_problems_of_all_cases_at_once(library: Path, tmp_path: Path) -> Non
         '[[cases]]\nname = "a"\nscene = { extends = "oscillator-9" }\n'
         '[[cases]]\nname = "b"\nscene = { extends = "oscillator-1" }\nset = { "spring.mass" = 1 }\n'
     )
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(ScenarioError) as caught:
         stability(load_cases(file), file, library)
     assert [p.split(":")[0] for p in caught.value.problems] == ["case a", "case b"]
-    with pytest.raises(SceneError, match=r"no case 'c'; there is a, b"):
+    with pytest.raises(ScenarioError, match=r"no case 'c'; there is a, b"):
         load_cases(file, ["c"])
 
 

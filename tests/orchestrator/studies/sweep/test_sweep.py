@@ -22,7 +22,7 @@ import pytest
 import xarray
 from distributed import LocalCluster
 
-from orchestrator.errors import InputError, OutputError, SceneError, SimulationError
+from orchestrator.errors import InputError, OutputError, ScenarioError, SimulationError
 from orchestrator.results.metrics import metrics
 from orchestrator.results.netcdf import dataset, partial_path
 from orchestrator.simulation.interrupt import Interrupt, Interrupted
@@ -32,15 +32,15 @@ from orchestrator.studies.sweep.peak import FINEST, Peak, middles, peak_of, spac
 from orchestrator.studies.sweep.points import Record, Setting, calculate, planned
 from orchestrator.studies.sweep.study import Axis, parse_axis, sweep
 from orchestrator.studies.workers.dask_cluster import PRELOADED
-from orchestrator.studies.workers.pool import Crew
+from orchestrator.studies.workers.pool import WorkerPool
 from tests.conftest import Runner
 from tests.foreign.build import foreign
 
-SCENE = "flapping-full-wings"
+SCENARIO = "flapping-full-wings"
 SHORT = {"time": {"stop": "2 cycles"}}
 STROKE = "flapping stroke"
 SICK = f"""
-extends = "{SCENE}"
+extends = "{SCENARIO}"
 [master]
 order = ["amplifier", "spring", "aero", "linkage", "sick"]
 [components.sick]
@@ -79,16 +79,18 @@ Sweep = Callable[..., xarray.Dataset]
 def swept(cluster: Any, library: Path) -> Sweep:
     """`sweep` on the shared workers, over axes given as texts."""
 
-    def run(*axes: str, scene: str | Path = SCENE, target: Path, **more: Any) -> xarray.Dataset:
+    def run(
+        *axes: str, scenario: str | Path = SCENARIO, target: Path, **more: Any
+    ) -> xarray.Dataset:
         more = {"options": SHORT, "scheduler": cluster.scheduler_address} | more
-        return sweep(scene, [parse_axis(axis) for axis in axes], library, target, **more)
+        return sweep(scenario, [parse_axis(axis) for axis in axes], library, target, **more)
 
     return run
 
 
 @pytest.fixture
 def sick(tmp_path: Path) -> Path:
-    """The flapping scene beside a unit that fails on demand, in the worker's own process."""
+    """The flapping scenario beside a unit that fails on demand, in the worker's own process."""
     foreign("FAULTY", tmp_path)
     path = tmp_path / "sick.toml"
     path.write_text(SICK)
@@ -205,10 +207,10 @@ def test_axes_that_make_no_sweep_are_refused() -> None:
 def test_all_points_are_checked_before_anything_runs(swept: Sweep, tmp_path: Path) -> None:
     """Every problem once, however many points have it; nothing is left on disk."""
     axes = ["amplifier.frequency=-2,-1,5 Hz", "spring.layers=2,2.5", "linkage.dampin=1,2"]
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(ScenarioError) as caught:
         swept(*axes[:2], target=tmp_path / "out.nc")
     assert len(caught.value.problems) == 3
-    with pytest.raises(SceneError, match="damping"):
+    with pytest.raises(ScenarioError, match="damping"):
         swept(axes[2], target=tmp_path / "out.nc")
     assert not list(tmp_path.iterdir())
 
@@ -221,7 +223,7 @@ def test_results_equal_a_direct_run(swept: Sweep, outcome: Runner, tmp_path: Pat
     axes = ["amplifier.frequency=16,18 Hz", "amplifier.waveform=square,sine"]
     data = swept(*axes, target=target, changes={"linkage.damping": "0.2"})
     changes = {"amplifier.frequency": "18 Hz", "amplifier.waveform": "sine"}
-    direct = outcome(SCENE, {"linkage.damping": "0.2"} | changes, **SHORT)
+    direct = outcome(SCENARIO, {"linkage.damping": "0.2"} | changes, **SHORT)
     with xarray.open_dataset(target) as read:
         assert read.sizes == {"point": 4}
         for metric in metrics(dataset(direct)):
@@ -247,7 +249,7 @@ def test_figure_11(cluster: Any, library: Path, tmp_path: Path) -> None:
     there = set(psutil.Process().children(recursive=True))
     target = tmp_path / "figure11.nc"
     axes = [parse_axis("amplifier.frequency=14:22/3Hz")]
-    data = sweep(SCENE, axes, library, target, options={"time": {"stop": "5 cycles"}}, workers=2)
+    data = sweep(SCENARIO, axes, library, target, options={"time": {"stop": "5 cycles"}}, workers=2)
     stroke = data[STROKE].values
     assert stroke[1] > stroke[0] and stroke[1] > stroke[2]
     assert os.environ == before
@@ -299,7 +301,7 @@ def test_a_sick_point_costs_itself(swept: Sweep, sick: Path, tmp_path: Path) -> 
         ERROR: "sick: step",
     }
     axis = f"sick.fault={','.join(told)}"
-    data = swept(axis, scene=sick, target=target, patience=3.0)
+    data = swept(axis, scenario=sick, target=target, patience=3.0)
     healthy = np.array([not reason for reason in told.values()])
     assert list(data["status"].values) == list(np.where(healthy, "done", "failed"))
     assert (np.isfinite(data[STROKE].values) == healthy).all()
@@ -361,7 +363,7 @@ if __name__ == "__main__":
 def test_ctrl_c_keeps_what_is_there(library: Path, tmp_path: Path) -> None:
     """As a terminal sends it, to all processes: exit 130, one line, no process left."""
     target = tmp_path / "out.nc"
-    command = [sys.executable, "-m", "orchestrator.cli", "sweep", SCENE, "--stop", "2 cycles"]
+    command = [sys.executable, "-m", "orchestrator.cli", "sweep", SCENARIO, "--stop", "2 cycles"]
     command += ["--over", "amplifier.frequency=5:40/30Hz", "--output", str(target)]
     process = subprocess.Popen(
         [*command, "--fmus", str(library), "--workers", "2"],
@@ -412,7 +414,7 @@ def test_a_scheduler_that_goes_away_is_told(library: Path, tmp_path: Path) -> No
         closing = when(lambda: files(target), own.close)
         with pytest.raises(SimulationError, match=r"gone.*; \d+ of 30 points are kept in .*points"):
             axes = [parse_axis("amplifier.frequency=5:40/30Hz")]
-            sweep(SCENE, axes, library, target, scheduler=own.scheduler_address, options=SHORT)
+            sweep(SCENARIO, axes, library, target, scheduler=own.scheduler_address, options=SHORT)
         closing.join()
     assert files(target)
 
@@ -431,16 +433,18 @@ def test_workers_with_other_files_are_told(cluster: Any, library: Path, tmp_path
     own.mkdir()
     for path in library.glob("*.fmu"):
         (own / path.name).write_bytes(path.read_bytes())
-    setting = Setting(SCENE, str(own), {}, SHORT)
+    setting = Setting(SCENARIO, str(own), {}, SHORT)
     points = planned(setting, [parse_axis("amplifier.frequency=17,18Hz")], ok).points
     with (own / "spring.fmu").open("ab") as file:
         file.write(b" ")
-    crew = Crew(calculate, None, cluster.scheduler_address, None)
-    with crew, pytest.raises(InputError, match=r"worker tcp.*other FMU files.*same place"):
-        list(crew.answers(points, ok))
+    pool = WorkerPool(calculate, None, cluster.scheduler_address, None)
+    with pool, pytest.raises(InputError, match=r"worker tcp.*other FMU files.*same place"):
+        list(pool.answers(points, ok))
     (own / "spring.fmu").unlink()
     assert "spring" in calculate(points[0])["unfit"]
-    whole = planned(Setting(SCENE, str(library), {}, SHORT), [Axis("linkage.damping", ("1",))], ok)
+    whole = planned(
+        Setting(SCENARIO, str(library), {}, SHORT), [Axis("linkage.damping", ("1",))], ok
+    )
     assert "install the same" in calculate(replace(whole.points[0], release="9.9"))["unfit"]
 
 
@@ -535,7 +539,7 @@ def test_what_cannot_be_refined_is_told(swept: Sweep, tmp_path: Path) -> None:
 def test_a_record_survives_its_file(tmp_path: Path, library: Path) -> None:
     """Numbers that are none included; what is not whole is as if it were not there."""
     axes = [parse_axis("amplifier.frequency=17Hz")]
-    point = planned(Setting(SCENE, str(library), {}, {}), axes, ok).points[0]
+    point = planned(Setting(SCENARIO, str(library), {}, {}), axes, ok).points[0]
     record = Record("done", "", (("a", math.inf, "m"), ("b", 0.1, "N")), 1.5, 7)
     with Folder(tmp_path / "out.nc") as folder:
         folder.write(point, record)

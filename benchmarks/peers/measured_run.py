@@ -40,7 +40,7 @@ class Setting:
 
 
 @dataclass
-class Rung:
+class MeasuredRun:
     """What a setting cost and gave. `status`: done, stopped (the tool said so), crashed,
     over budget, not installed; `reason` says more. Figures are filled in by `figures`."""
 
@@ -59,8 +59,8 @@ class Rung:
     frequency: float = nan
 
 
-def run(case: Case, setting: Setting, budget: float, repeats: int, python: str = "") -> Rung:
-    """The rung of a setting; a process that dies or takes too long is a result too."""
+def run(case: Case, setting: Setting, budget: float, repeats: int, python: str = "") -> MeasuredRun:
+    """The run of a setting; a process that dies or takes too long is a result too."""
     home = Path(__file__).resolve().parent.parent
     before = os.environ.get("PYTHONPATH", "")
     path = os.pathsep.join([str(home), *([before] if before else [])])
@@ -79,12 +79,12 @@ def run(case: Case, setting: Setting, budget: float, repeats: int, python: str =
             except subprocess.TimeoutExpired:
                 os.killpg(child.pid, signal.SIGKILL)
                 child.wait()
-                return Rung(setting, "over budget", f"killed; the budget is {budget:g} s")
+                return MeasuredRun(setting, "over budget", f"killed; the budget is {budget:g} s")
             if not result.exists():
                 said.seek(0)
-                return Rung(setting, "crashed", _symptom(code, said.read()))
+                return MeasuredRun(setting, "crashed", _symptom(code, said.read()))
         found: dict[str, Any] = json.loads(result.read_text(encoding="utf-8"))
-    return Rung(setting, **found)
+    return MeasuredRun(setting, **found)
 
 
 def _symptom(code: int, said: bytes) -> str:
