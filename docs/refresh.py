@@ -108,7 +108,8 @@ def ran(block: Block, folder: Path) -> str:
             f"line {block.line}: exit code {done.returncode} in the place of {wanted}:"
             f" {block.text.strip()}\n{done.stdout[-3000:]}"
         )
-    return "\n".join(line.rstrip() for line in done.stdout.strip("\n").split("\n")) + "\n"
+    printed = done.stdout.replace(f"{ROOT}{os.sep}", "").strip("\n")
+    return "".join(f"{line.rstrip()}\n" for line in printed.split("\n"))
 
 
 def refreshed(page: str, folder: Path) -> str:
