@@ -1,7 +1,7 @@
 """Each part replaced by its own recording: how far the rest is then from what it was.
 
-`python benchmarks/recordings.py` prints the tables of docs/recordings.md: the largest difference
-of a variable of the rest, relative to its largest value.
+`python benchmarks/recordings.py` prints the tables of docs/reference/recordings.md: the largest
+difference of a variable of the rest, relative to its largest value.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@
     python docs/refresh.py --check             run everything, write nothing
 
 The parts have to be built. Comments in a page mark its fenced blocks; each block runs in a folder
-of the page's own, with the built parts, `docs/`, and a copy of `fmus/` and `build_fmus.py` beside it:
+of the page's own that holds the built parts, `docs/` and a copy of `fmus/` and `build_fmus.py`:
 
     <!-- file: slower.toml -->     the block is written to that file
     <!-- run -->                   the block, sh or python, is run and has to leave with exit code 0
@@ -28,6 +28,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILT = ROOT / "build" / "fmus"
@@ -135,27 +136,40 @@ def refreshed(page: str, folder: Path) -> str:
 
 def commands() -> str:
     """Every command with its arguments and options, as Markdown."""
-    import typer.main
+    from typer.main import get_command
 
     from orchestrator.cli import app
 
-    group = typer.main.get_command(app)
+    group: Any = get_command(app)
     sections = []
-    for name, command in group.commands.items():  # type: ignore[attr-defined]
+    for name, command in group.commands.items():
         about, *rest = re.split(r"\n\s*\n", command.help.strip())
+        options = _builder() if name == "build" else command.params
         lines = [f"### {name}", "", " ".join(about.split()), ""]
-        arguments = [p for p in command.params if p.param_type_name == "argument"]
+        arguments = [p for p in options if p.param_type_name == "argument"]
         usage = " ".join(["resilin", name, *(_shown(p) for p in arguments), "[OPTIONS]"])
         lines += ["```text", usage, *_examples(rest), "```", ""]
-        rows = [_row(p) for p in command.params if p.name != "help"]
+        rows = [_row(p) for p in options if p.name != "help"]
         lines += ["| argument or option | meaning |", "|---|---|", *rows, ""] if rows else []
         sections.append("\n".join(lines))
     return "\n".join(sections)
 
 
-def _shown(argument: object) -> str:
-    name = str(argument.name).strip("_").upper()  # type: ignore[attr-defined]
-    return name if argument.required else f"[{name}]"  # type: ignore[attr-defined]
+def _builder() -> list[Any]:
+    """Arguments and options of `build`, which hands them on."""
+    import typer
+    from typer.main import get_command
+
+    import build_fmus
+
+    builder = typer.Typer(add_completion=False)
+    builder.command()(build_fmus.build_command)
+    return list(get_command(builder).params)
+
+
+def _shown(argument: Any) -> str:
+    name = str(argument.name).strip("_").upper()
+    return name if argument.required else f"[{name}]"
 
 
 def _examples(paragraphs: list[str]) -> Iterator[str]:
@@ -165,15 +179,13 @@ def _examples(paragraphs: list[str]) -> Iterator[str]:
             yield text.removeprefix("Example: ")
 
 
-def _row(parameter: object) -> str:
+def _row(parameter: Any) -> str:
     """One line of the table of a command."""
-    if parameter.param_type_name == "argument":  # type: ignore[attr-defined]
+    if parameter.param_type_name == "argument":
         names = _shown(parameter)
     else:
-        names = "`, `".join(
-            [*parameter.opts, *parameter.secondary_opts]  # type: ignore[attr-defined]
-        )
-    about = " ".join((parameter.help or "").split()).replace("|", "\\|")  # type: ignore[attr-defined]
+        names = "`, `".join([*parameter.opts, *parameter.secondary_opts])
+    about = " ".join((parameter.help or "").split()).replace("|", "\\|")
     return f"| `{names}` | {about} |"
 
 

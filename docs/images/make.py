@@ -153,9 +153,10 @@ def mechanism(axes: Any, outcome: Outcome, k: int) -> None:
         for name in ("pivot", "root"):
             axes.plot(side * at[name][0], at[name][1], "^", color=INK, ms=6)
         axes.plot([side * root[0], side * tip[0]], [root[1], tip[1]], color=GREEN, lw=3.4)
+        bend = f"arc3,rad={-0.22 * side * np.sign(down)}"
         axes.annotate("", (side * tip[0], -tip[1] + 2 * root[1]), (side * tip[0], tip[1]),
                       arrowprops={"arrowstyle": "<->", "color": GREEN, "lw": 1.2,
-                                  "connectionstyle": f"arc3,rad={-0.22 * side * np.sign(down)}"})  # fmt: skip
+                                  "connectionstyle": bend})  # fmt: skip
 
 
 WIDTH, HEIGHT, LEVEL = 24.0, 13.0, -47.0
@@ -226,7 +227,7 @@ def stroke(figure: Any, outcome: Outcome) -> None:
         below.axhline(level, color=FAINT, lw=0.8, ls=":")
     below.annotate("", (at, low), (at, high), arrowprops={"arrowstyle": "<->", "color": INK})
     below.text(at, 0.5 * (low + high), f"{high - low:.1f}°", ha="center", va="center",
-               fontsize=12, weight="bold", bbox={"fc": "white", "ec": "none", "pad": 2})  # fmt: skip
+               fontsize=12, weight="bold", bbox={"fc": "white", "ec": "none"})  # fmt: skip
     below.set(xlabel="time (ms)", ylabel="flap angle (°)", xlim=(0.0, time[-1]))
     below.set_title(f"stroke at {frequency:g} Hz; measured: {measured:g}°", fontsize=9,
                     loc="left", pad=5)  # fmt: skip

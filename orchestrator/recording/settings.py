@@ -20,7 +20,7 @@ class Table(BaseModel):
 
 
 class RecordingSettings(Table):
-    """The file `data` and how it is read: docs/recordings.md lists the keys.
+    """The file `data` and how it is read: docs/reference/recordings.md lists the keys.
 
     `memory` is how large the file may be; `before` and `after` say what holds outside of the
     record, `repeat` that it goes on periodically.

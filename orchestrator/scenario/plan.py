@@ -122,7 +122,7 @@ def usual(connections: list[Connection]) -> str:
 
     Where two units feed each other nothing but bare numbers, holding them is of first order and
     feeds the motion: extrapolated. With laws, or without feedback, Gauss-Seidel is of second
-    order at least cost. See docs/coupling.md.
+    order at least cost. See docs/reference/coupling.md.
     """
     pairs = {(c.source, c.target) for c in connections}
     lawful = {frozenset((c.source, c.target)) for c in connections if c.input.order}

@@ -45,7 +45,7 @@ class Component(RecordingSettings):
 
     `isolate` puts it into a process of its own or keeps it from that; there `patience` is
     the time that one call may take, and `memory` what it may allocate. A recording is the file
-    `data` with what docs/recordings.md says of it; `memory` is how large it may be.
+    `data` with what docs/reference/recordings.md says of it; `memory` is how large it may be.
     """
 
     fmu: Text | None = None

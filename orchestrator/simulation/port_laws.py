@@ -1,4 +1,4 @@
-"""What a port's law says at a point: the conventions of docs/coupling.md, seen from outside.
+"""What a port's law says at a point, seen from outside; conventions: docs/reference/coupling.md.
 
 Each function takes the members of a port by name, as a receiver has them on its inputs, and
 the receiver's own motion or voltage; members that are not wired count as zero, and a law without
