@@ -107,8 +107,20 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     if problems or grid is None:
         raise ScenarioError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
     plan = Plan(
-        *(whole, path, interfaces, starts, connections, held, order, records),
-        *(grid, frequency, actions, faults, limits, keep_from),
+        scenario=whole,
+        path=path,
+        interfaces=interfaces,
+        starts=starts,
+        connections=connections,
+        held=held,
+        order=order,
+        records=records,
+        grid=grid,
+        frequency=frequency,
+        actions=actions,
+        faults=faults,
+        limits=limits,
+        keep_from=keep_from,
         recordings=recordings,
         dropped=dropped,
     )

@@ -124,7 +124,14 @@ def _stepped(
         calls = {m.instance.name: m.instance.steps for m in system.instances}
         rollbacks = {m.instance.name: m.instance.rollbacks for m in system.instances}
     return Outcome(
-        *(plan, recorder.names, recorder.times, recorder.rows, wall_time, steps, calls, failure),
+        plan=plan,
+        names=recorder.names,
+        times=recorder.times,
+        rows=recorder.rows,
+        wall_time=wall_time,
+        steps=steps,
+        calls=calls,
+        failure=failure,
         couplings=audit.summary(),
         points=taken,
         rejected=rejected,

@@ -127,8 +127,11 @@ class Reader:
                 )
         connectors = list(self._children(element, "ssd:Connectors"))
         return System(
-            element.get("name") or "",
-            *(components, systems, list(self._connections(element)), self._values(element)),
+            name=element.get("name") or "",
+            components=components,
+            systems=systems,
+            connections=list(self._connections(element)),
+            values=self._values(element),
             inputs=[str(c.get("name")) for c in connectors if c.get("kind") == "input"],
             outputs=[str(c.get("name")) for c in connectors if c.get("kind") == "output"],
         )
@@ -153,9 +156,11 @@ class Reader:
         for each in self._children(element, "ssd:Connections"):
             gain, offset = self._transformation(each)
             yield Connection(
-                (each.get("startElement") or "", each.get("startConnector") or ""),
-                (each.get("endElement") or "", each.get("endConnector") or ""),
-                *(gain, offset, each.get("suppressUnitConversion") not in {"true", "1"}),
+                start=(each.get("startElement") or "", each.get("startConnector") or ""),
+                end=(each.get("endElement") or "", each.get("endConnector") or ""),
+                gain=gain,
+                offset=offset,
+                converts=each.get("suppressUnitConversion") not in {"true", "1"},
             )
 
     def _transformation(self, element: Any) -> tuple[float, float]:

@@ -219,18 +219,16 @@ def _unit(
     by = np.where(usual > 0.0, usual, 1.0)
     a, b, c = realise(sequence, smallest=smallest) if own and free else _none(len(own), len(free))
     return InstanceModel(
-        *(
-            coupled.instance.name,
-            [coupled.arriving[k].input.name for k in free],
-            [system.names[k] for k in own],
-            a,
-            b / by,
-            c,
-            direct / by,
-            after / by,
-            _wiring(system, coupled, free, shown),
-        ),
-        np.array([shown.index(k) for k in own], dtype=np.intp),
+        name=coupled.instance.name,
+        inputs=[coupled.arriving[k].input.name for k in free],
+        outputs=[system.names[k] for k in own],
+        a=a,
+        b=b / by,
+        c=c,
+        d=direct / by,
+        e=after / by,
+        wires=_wiring(system, coupled, free, shown),
+        rows=np.array([shown.index(k) for k in own], dtype=np.intp),
     )
 
 
