@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...scenario.plan import Plan
 from ..coupled_instance import CoupledInstance
-from ..masters import master
+from ..masters import master_class
 from ..stepper import Stepper
 from ..system import Moment, System
 from .state_space import NUDGE, plain, realise, rest
@@ -164,7 +164,7 @@ def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> St
         raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
     size = step or plan.grid.step
     with System(plan) as system:
-        method = master(plan.scenario.master.kind)(system, plan.scenario.master)
+        method = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
         stepper = Stepper(system, method)
         time, largest = rest(system, stepper)
         for _ in range(REFRESHED):
