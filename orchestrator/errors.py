@@ -2,12 +2,12 @@
 
 ResilinError                     exit code
 +-- InputError                   2   the user's files and options
-|   +-- ScenarioError                   a scenario: file, key, remedy; may list several
+|   +-- ScenarioError            a scenario: file, key, remedy; may list several
 |   +-- FmuError                     an FMU file: archive, description, platform
 |   +-- RecordingError               a recording: file, line, column
 |   +-- OutputError                  a result that cannot be written
 +-- SimulationError              1   a run that could not go on
-    +-- InstanceFailure                  a unit returned anything but OK
+    +-- InstanceFailure          an instance returned anything but OK
     +-- Divergence                   NaN, infinity, bounds left, runaway growth
     +-- InitialisationError          no consistent start
 """
@@ -15,6 +15,7 @@ ResilinError                     exit code
 from __future__ import annotations
 
 import difflib
+import warnings
 from collections.abc import Iterable
 
 
@@ -100,6 +101,19 @@ class InitialisationError(SimulationError):
     """The units refuse their start values, or these do not settle."""
 
     exit_code = 2
+
+
+class RenamedWarning(FutureWarning):
+    """Something goes by a new name; the old one is understood for one release."""
+
+
+def renamed(old: str, new: str) -> None:
+    """Warn that an old name was used, with the new one."""
+    warnings.warn(
+        f"{old} is now called {new}; the next release does not know the old name",
+        RenamedWarning,
+        stacklevel=3,
+    )
 
 
 def nearest(word: str, words: Iterable[str], *, show: int = 8) -> str:

@@ -1,4 +1,4 @@
-"""A warning about a finished run: what kind it is, what it concerns, and how large the matter is."""
+"""A warning about a finished run: its kind, what it concerns, and the figure behind it."""
 
 from __future__ import annotations
 

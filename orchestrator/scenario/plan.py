@@ -21,6 +21,7 @@ from .connections import Connection, check_all_fed, connections_of, held_of
 from .execution_order import order_of
 from .faults import Fault, faults_of
 from .files import is_file
+from .metric_definitions import check_metrics
 from .schema import AUTO, Scenario
 from .start_values import starts_of
 from .substitution import without_replaced
@@ -63,11 +64,12 @@ class Plan:
 
     @property
     def leading(self) -> list[str]:
-        """Recorded variables whose errors count: the motion, else what is wired, else all."""
+        """Recorded variables whose errors count: `record.leading`, else what is wired, else all."""
         names = [f"{name}.{variable.name}" for name, variable in self.records]
-        moving = [n for n in names if n.rpartition(".")[2] in {"displacement", "flap_angle"}]
+        patterns = self.scenario.record.leading
+        chosen = [n for n in names if any(_matches(n, pattern) for pattern in patterns)]
         wired = {f"{c.source}.{c.output.name}" for c in self.connections if not c.output.order}
-        return moving or [name for name in names if name in wired] or names
+        return chosen or [name for name in names if name in wired] or names
 
     @property
     def fixed_step(self) -> list[str]:
@@ -98,6 +100,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     actions = actions_of(scenario, interfaces, held, frequency, problems)
     faults = faults_of(scenario, interfaces, frequency, problems)
     limits = _limits(scenario, problems)
+    check_metrics(scenario, interfaces, problems)
     if scenario.master.kind == AUTO:
         chosen = scenario.master.model_copy(update={"kind": usual(connections)})
         whole = whole.model_copy(update={"master": chosen})

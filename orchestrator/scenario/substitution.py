@@ -14,7 +14,8 @@ from fnmatch import fnmatchcase
 
 from ..errors import Problems, nearest, printable
 from ..fmi.description import Interface
-from .schema import ActionSpec, Scenario, Wire
+from .metric_expression import expression_of
+from .schema import ActionSpec, Metrics, Scenario, Wire
 
 
 def without_replaced(
@@ -49,11 +50,19 @@ def without_replaced(
         else:
             variables.append(pattern)
     record = scenario.record.model_copy(update={"variables": variables})
+    metrics: dict[str, int | str] = {"cycles": scenario.metrics.cycles}
+    for key, text in scenario.metrics.defined.items():
+        missing = _missing(text, recorded, interfaces)
+        if missing:
+            told.append(f"metric {key}: {missing} is not in the recording")
+        else:
+            metrics[key] = text
     left = {
         "wires": wires,
         "hold": hold,
         "actions": [a for a in actions if a.set],
         "record": record,
+        "metrics": Metrics.model_validate(metrics),
     }
     return scenario.model_copy(update=left), told
 
@@ -91,6 +100,19 @@ def _replaced_wire(
         f' {printable(wanted)}; {hint}; record it, or hold "{target}.{first.name}"',
     )
     return True
+
+
+def _missing(text: str, recorded: Collection[str], interfaces: dict[str, Interface]) -> str:
+    """The first variable of a metric that a recording does not have; "" where it has all."""
+    try:
+        variables = expression_of(text).variables
+    except ValueError:
+        return ""
+    for variable in variables:
+        name, _, rest = variable.partition(".")
+        if name in recorded and rest not in interfaces[name].variables:
+            return variable
+    return ""
 
 
 def _kept(action: ActionSpec, recorded: Collection[str], told: list[str]) -> ActionSpec:

@@ -23,7 +23,7 @@ from .flatten import Flat, Joint, flattened
 from .flatten import Path as Names
 from .names import ANNOTATION, REALS, WHOLE
 
-KEYS = ("time", "master", "record", "metrics", "actions", "faults")
+KEYS = ("time", "master", "record", "metrics", "plot", "actions", "faults")
 """Tables of a scenario that our own annotation carries."""
 STOP = 1.0
 """End of a run that names none [s], the usual one of FMI's tools."""
