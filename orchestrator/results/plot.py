@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError, OutputError, nearest
+from ..errors import InputError, nearest
+from ..report.image import save_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -53,10 +54,7 @@ def draw(
     figure.suptitle(str(data.attrs.get("title", "")).replace("$", r"\$"))
     figure.tight_layout()
     try:
-        figure.savefig(path, dpi=110)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise OutputError(f"{path}: cannot be drawn ({reason})") from None
+        save_figure(figure, path, 110)
     finally:
         pyplot.close(figure)
     return path

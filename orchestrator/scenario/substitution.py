@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from fnmatch import fnmatchcase
 
-from ..errors import nearest, printable
+from ..errors import Problems, nearest, printable
 from ..fmi.description import Interface
 from .schema import ActionSpec, Scenario, Wire
 
@@ -21,7 +21,7 @@ def without_replaced(
     scenario: Scenario,
     interfaces: dict[str, Interface],
     recorded: Collection[str],
-    problems: list[str],
+    problems: Problems,
 ) -> tuple[Scenario, list[str]]:
     """The scenario with what its recordings can take, and what was let go of, in words."""
     if not recorded:
@@ -64,7 +64,7 @@ def _replaced_wire(
     interfaces: dict[str, Interface],
     recorded: Collection[str],
     told: list[str],
-    problems: list[str],
+    problems: Problems,
 ) -> bool:
     """Whether a wire has lost an end to a recording; a problem noted where it is needed."""
     shown = f"wire {wire.source} -> {wire.target}"
@@ -85,9 +85,10 @@ def _replaced_wire(
         return True
     wanted = f"{rest}.{first.member}"
     hint = nearest(wanted, interfaces[name].variables)
-    problems.append(
-        f"wires {printable(wire.source)} -> {printable(wire.target)}: the recording has no column"
-        f' {printable(wanted)}; {hint}; record it, or hold "{target}.{first.name}"'
+    problems.add(
+        f"wires {printable(wire.source)} -> {printable(wire.target)}",
+        "the recording has no column"
+        f' {printable(wanted)}; {hint}; record it, or hold "{target}.{first.name}"',
     )
     return True
 

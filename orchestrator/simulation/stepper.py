@@ -17,9 +17,9 @@ class Stepper:
     at the next communication point. `steps` counts calls of the master.
     """
 
-    def __init__(self, system: System, method: Master) -> None:
+    def __init__(self, system: System, master: Master) -> None:
         self.system = system
-        self.method = method
+        self.master = master
         self.steps = 0
         self.whole = bool(system.plan.fixed_step)
         self._margin = MERGED * system.plan.grid.step
@@ -31,7 +31,7 @@ class Stepper:
         """Carry out what is due at a communication point."""
         while self._actions and self._actions[0].time <= time + self._margin:
             self.system.act(self._actions.pop(0))
-            self.method.interrupt()
+            self.master.interrupt()
 
     def cut(self, time: float, end: float) -> float:
         """Where a step from `time` has to end at the latest, `end` if nothing is between."""
@@ -45,7 +45,7 @@ class Stepper:
     def to(self, time: float, end: float, size: float) -> None:
         """Go from `time` to `end`, at best in one step of `size`."""
         if self._quiet:
-            self.method.advance(time, size)
+            self.master.advance(time, size)
             self.steps += 1
             return
         while True:
@@ -59,13 +59,13 @@ class Stepper:
     def step(self, time: float, end: float, size: float) -> None:
         """One step of the master, with nothing in between; then what is due at its end."""
         event = self.system.next_event()
-        self.method.advance(time, size)
+        self.master.advance(time, size)
         self.steps += 1
         self.arrive(end, event)
 
     def arrive(self, end: float, event: float) -> None:
         """What is due at a point that is reached for good; `event` is the last announced."""
         if event <= end + self._margin:
-            self.method.interrupt()
+            self.master.interrupt()
         if self._actions:
             self.act(end)

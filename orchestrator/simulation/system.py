@@ -209,8 +209,12 @@ class System:
             }
             from_places = [place[c.source, c.output.name] for c in arriving]
             coupled = CoupledInstance(
-                *(instances[name], self.values, stretch, arriving),
-                *(np.array(from_places, dtype=np.intp), held),
+                instance=instances[name],
+                values=self.values,
+                stretch=stretch,
+                arriving=arriving,
+                sources=np.array(from_places, dtype=np.intp),
+                held=held,
             )
             inputs = [c.input for c in arriving]
             inputs += [plan.interfaces[name].variables[key] for key in held]

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, printable
+from ..report.image import save_figure
 from ..simulation.linear.state_space import Linear
-from .output_files import save_figure
 
 MOST = 8
 
@@ -92,4 +92,7 @@ def draw(
             axis.axvline(frequency, color="k", ls=":", lw=0.8)
     axes[0].legend(fontsize=7)
     figure.tight_layout()
-    return save_figure(figure, path, 110)
+    try:
+        return save_figure(figure, path, 110)
+    finally:
+        pyplot.close(figure)

@@ -117,10 +117,11 @@ def test_plot_draws_what_matches(library: Path, tmp_path: Path) -> None:
     wrong = runner.invoke(app, ["plot", str(target), "--variable", "payload.displacment"])
     assert wrong.exit_code == 2
     assert "did you mean 'payload.displacement'" in wrong.output
-    for bad in ("e.docx", "none/e.png"):
+    (tmp_path / "file").write_text("")
+    for bad in ("e.docx", "file/e.png"):
         refused = runner.invoke(app, ["plot", str(target), "--output", str(tmp_path / bad)])
         assert refused.exit_code == 2, refused.output
-        assert "cannot be drawn" in refused.output
+        assert "cannot be written" in refused.output
     assert runner.invoke(app, ["plot", str(tmp_path / "none.nc")]).exit_code == 2
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from orchestrator.studies.paper.store import Store
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from orchestrator.report.page import write
@@ -21,7 +22,6 @@ from orchestrator.studies.paper.figure7 import figure7
 from orchestrator.studies.paper.figure13 import figure13
 from orchestrator.studies.paper.page import figures, page
 from orchestrator.studies.paper.reproduction import Reproduction
-from orchestrator.studies.paper.store import Store
 
 CHROMIUM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None

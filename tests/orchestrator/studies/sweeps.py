@@ -9,7 +9,7 @@ from typing import Any
 import xarray
 from distributed import Status
 
-from orchestrator.studies.sweep.checkpoint import Folder
+from orchestrator.studies.sweep.checkpoint import Checkpoint
 
 SCENARIO = "flapping-full-wings"
 SHORT = {"time": {"stop": "2 cycles"}}
@@ -19,7 +19,7 @@ Sweep = Callable[..., xarray.Dataset]
 
 def files(target: Path) -> dict[str, int]:
     """Finished points on disk, with the time at which each was written."""
-    folder = Folder(target).path
+    folder = Checkpoint(target).path
     return {path.name: path.stat().st_mtime_ns for path in folder.glob("*.json")}
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.errors import OutputError
-from orchestrator.studies.sweep.checkpoint import Folder
+from orchestrator.studies.sweep.checkpoint import Checkpoint
 from orchestrator.studies.sweep.points import Record, Setting, planned
 from orchestrator.studies.sweep.study import parse_axis
 from tests.orchestrator.studies.sweeps import SCENARIO, Sweep, files, ok
@@ -22,7 +22,7 @@ def test_points_are_taken_over_where_nothing_has_changed(swept: Sweep, tmp_path:
     swept("amplifier.frequency=17,18,19Hz", target=target, keep=True)
     second = files(target)
     assert len(second) == 3 and first.items() <= second.items()
-    damaged = Folder(target).path / sorted(first)[0]
+    damaged = Checkpoint(target).path / sorted(first)[0]
     damaged.write_text(damaged.read_text().replace("1", "2", 1))
     swept("amplifier.frequency=17,18Hz", target=target, keep=True)
     changed = {name for name, written in files(target).items() if second[name] != written}
@@ -36,7 +36,7 @@ def test_points_are_taken_over_where_nothing_has_changed(swept: Sweep, tmp_path:
 def test_a_folder_is_for_one_sweep_at_a_time(swept: Sweep, tmp_path: Path) -> None:
     target = tmp_path / "out.nc"
     with (
-        Folder(target),
+        Checkpoint(target),
         pytest.raises(OutputError, match="in use by another sweep"),
     ):
         swept("amplifier.frequency=17,18Hz", target=target)
@@ -48,7 +48,7 @@ def test_a_record_survives_its_file(tmp_path: Path, library: Path) -> None:
     axes = [parse_axis("amplifier.frequency=17Hz")]
     point = planned(Setting(SCENARIO, str(library), {}, {}), axes, ok).points[0]
     record = Record("done", "", (("a", math.inf, "m"), ("b", 0.1, "N")), 1.5, 7)
-    with Folder(tmp_path / "out.nc") as folder:
+    with Checkpoint(tmp_path / "out.nc") as folder:
         folder.write(point, record)
         read = folder.read(point)
         assert read is not None and math.isnan(read.metrics[0][1])

@@ -21,7 +21,7 @@ import os, signal, sys
 from pathlib import Path
 from orchestrator.studies.sweep import study
 
-class Mortal(study.Folder):
+class Mortal(study.Checkpoint):
     written = 0
     def write(self, point, record):
         super().write(point, record)
@@ -30,7 +30,7 @@ class Mortal(study.Folder):
             os.kill(os.getpid(), signal.SIGKILL)
 
 if __name__ == "__main__":
-    study.Folder = Mortal
+    study.Checkpoint = Mortal
     axis, library, target = sys.argv[1:]
     options = {"time": {"stop": "2 cycles"}}
     study.sweep("flapping-full-wings", [study.parse_axis(axis)], Path(library), Path(target),
