@@ -241,8 +241,20 @@ static void crash(void)
     *nowhere = 1;
 }
 
+/* Tell whoever waits for it that fault_time or a hang is reached: by a file, once. */
+static void announce(void)
+{
+    static bool announced = false;
+    const char *path = getenv("RESILIN_TEST_REACHED");
+    FILE *file = announced || !path ? NULL : fopen(path, "w");
+    if (file)
+        fclose(file);
+    announced = true;
+}
+
 static void hang(void)
 {
+    announce();
     for (;;)
         sleep(1);
 }
@@ -269,17 +281,6 @@ static void flood(Instance *it)
         puts(line);
     }
     fflush(stdout);
-}
-
-/* Tell whoever waits for it that fault_time is reached: by a file, once. */
-static void announce(void)
-{
-    static bool announced = false;
-    const char *path = getenv("RESILIN_TEST_REACHED");
-    FILE *file = announced || !path ? NULL : fopen(path, "w");
-    if (file)
-        fclose(file);
-    announced = true;
 }
 
 /* What is wrong with this step, from the first that reaches fault_time. May shorten the step. */
