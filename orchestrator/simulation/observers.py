@@ -79,6 +79,12 @@ class Recorder:
         return True
 
     @property
+    def room(self) -> int:
+        """Rows that memory holds before some have to leave it or it has to grow."""
+        full = len(self._times)
+        return full if self._segments is None else min(full, self._full)
+
+    @property
     def arrays(self) -> tuple[Values, Values, NDArray[np.intp]]:
         """Times, rows and the recorded places of the system's values, as they are in memory."""
         return self._times, self._rows, self._columns

@@ -142,6 +142,7 @@ def _stepped(
         rollbacks=rollbacks,
         residual=system.residual,
         segments=segments,
+        python_loop="step control" if tolerance is not None and points is None else reason,
     )
 
 

@@ -106,7 +106,7 @@ class Layout:
         self.recorder.column_count = len(columns)
         self.recorder.every = recorder.every
         self.recorder.count = recorder.count
-        self.recorder.capacity = len(times)
+        self.recorder.capacity = recorder.room
         self.recorder.from_ = recorder.begin
 
     def _address(self, array: Any) -> int | None:
