@@ -16,7 +16,7 @@ from ..results.error_estimate import halved
 from ..results.outcome import Outcome, whole
 from ..results.segments import Segments
 from ..scenario.plan import Plan
-from .compiled.drive import drive, unsuited
+from .compiled.drive import drive, drive_controlled, unsuited
 from .energy_audit import Audit
 from .interrupt import Interrupt, Interrupted
 from .masters import Master, master_class
@@ -117,7 +117,8 @@ def _stepped(
                 else:
                     steps = drive(system, master, watching, interrupt, points)
             else:
-                taken, steps, rejected = adaptive(system, master, tolerance, watching, interrupt)
+                controlled = adaptive if reason else drive_controlled
+                taken, steps, rejected = controlled(system, master, tolerance, watching, interrupt)
         except (SimulationError, OutputError, Interrupted) as error:
             failure = error
             steps = max((m.instance.steps for m in system.instances), default=0)
@@ -142,7 +143,7 @@ def _stepped(
         rollbacks=rollbacks,
         residual=system.residual,
         segments=segments,
-        python_loop="step control" if tolerance is not None and points is None else reason,
+        python_loop=reason,
     )
 
 

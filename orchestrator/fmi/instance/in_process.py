@@ -23,6 +23,8 @@ FATAL = 4
 SEND, STEP, RECEIVE_FIRST, RECEIVE, SAVE, RESTORE, FORGET, REFUSED, BEYOND = range(9)
 """Which call of an instance has failed: as `loop.h` of the compiled loop numbers them."""
 
+STATE_VERBS = {SAVE: "Get", RESTORE: "Set", FORGET: "Free"}
+
 Calls = tuple[list[tuple[Block, int]], Values]
 
 
@@ -30,7 +32,8 @@ Calls = tuple[list[tuple[Block, int]], Values]
 class Binding:
     """An instance for a caller in C: addresses of functions, and the blocks to call them with.
 
-    `flags` are the addresses of the results of an FMI 3 step; `faults` counts error messages.
+    `flags` are the addresses of the results of an FMI 3 step, `states` those of get, set and free
+    of FMU states; `faults` counts error messages.
     """
 
     component: Any
@@ -38,6 +41,7 @@ class Binding:
     faults: ctypes.c_int32
     saved: int
     flags: tuple[int, ...]
+    states: tuple[int, int, int]
     set: Calls
     get: list[Calls]
 
@@ -197,6 +201,7 @@ class InProcessInstance(Instance):
             faults=self._faults,
             saved=self._saved,
             flags=self._flags,
+            states=self._state_addresses(),
             set=([(b, self._transfer("Set", b.kind)) for b in self._sent], self._given),
             get=[
                 ([(b, self._transfer("Get", b.kind)) for b in made], values)
@@ -214,8 +219,17 @@ class InProcessInstance(Instance):
             self._fail("setting inputs", status)
         if phase in (RECEIVE, RECEIVE_FIRST):
             self._fail("reading outputs", status)
+        if phase in STATE_VERBS:
+            self._fail(self._state_function(STATE_VERBS[phase]).__name__, status)
         self._fail(f"step from t = {time:.9g} s by {size:.4g} s", status)
         raise InstanceFailure(self._why)
+
+    def _state_addresses(self) -> tuple[int, int, int]:
+        """Get, Set and Free of FMU states; zeros for an FMU that has none."""
+        if not self.interface.rollback:
+            return 0, 0, 0
+        get, put, free = (address(self._state_function(v)) for v in ("Get", "Set", "Free"))
+        return get, put, free
 
     def _transfer(self, verb: str, kind: str) -> int:
         """Address of the function that sets or gets one type."""
