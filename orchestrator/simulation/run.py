@@ -19,7 +19,15 @@ from ..scenario.plan import Plan
 from .energy_audit import Audit
 from .interrupt import Interrupt, Interrupted
 from .masters import Master, master
-from .observers import Guard, Observer, Progress, Recorder
+from .observers import (
+    Guard,
+    Observed,
+    Observer,
+    Progress,
+    Recorder,
+    Watcher,
+    check_observers,
+)
 from .step_control import adaptive
 from .stepper import Stepper
 from .system import System
@@ -35,15 +43,21 @@ def run(
     interrupt: Interrupt | None = None,
     segments: Segments | None = None,
     estimate: bool | None = None,
+    observers: Sequence[Observer] = (),
 ) -> Outcome:
     """Load the units of a plan, step them through its time span, and free them.
 
     Steps are those of the scenario's grid, or with a tolerance of the size that it asks for. With
     `estimate`, by default where there is a tolerance, the outcome carries estimated errors.
     A failure in mid-run does not raise: the outcome carries it beside what was recorded.
-    `segments` takes the rows of a long run off memory.
+    `segments` takes the rows of a long run off memory. `observers` are called at each
+    communication point, see :class:`~orchestrator.simulation.observers.Observer`; one that raises
+    ends the run as a failure in mid-run. Raises `InputError` where one has not their methods.
     """
-    outcome = _stepped(plan, None, progress=progress, interrupt=interrupt, segments=segments)
+    check_observers(observers)
+    outcome = _stepped(
+        plan, None, progress=progress, interrupt=interrupt, segments=segments, observers=observers
+    )
     wanted = plan.scenario.time.tolerance is not None if estimate is None else estimate
     if not wanted or outcome.failure is not None:
         return outcome
@@ -89,6 +103,7 @@ def _stepped(
     progress: bool = False,
     interrupt: Interrupt | None = None,
     segments: Segments | None = None,
+    observers: Sequence[Observer] = (),
 ) -> Outcome:
     with System(plan) as system:
         settings = plan.scenario.master
@@ -97,10 +112,12 @@ def _stepped(
         recorder = Recorder(system, plan.scenario.record.every, segments)
         bar = Progress(system) if progress else None
         even = tolerance is None and points is None
-        watching: list[Observer] = [Guard(system, growth=even), recorder]
+        watching: list[Watcher] = [Guard(system, growth=even), recorder]
         audit = Audit(system)
         if even and audit.couplings:
             watching.append(audit)
+        if observers:
+            watching.append(Observed(system, observers))
         if bar is not None:
             watching.append(bar)
         failure: Exception | None = None
@@ -156,7 +173,7 @@ def _grid_points(plan: Plan) -> Sequence[float]:
 def advance(
     system: System,
     method: Master,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system through its grid; number of steps taken.
@@ -182,7 +199,7 @@ def along(
     system: System,
     method: Master,
     points: Sequence[float],
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system over given communication points; number of steps taken."""
