@@ -60,6 +60,13 @@ class Outcome:
         """Recorded values of `component.variable`."""
         return np.asarray(self.rows[:, self.names.index(name)])
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how the run went, its metrics, what was recorded."""
+        from ..report.notebook import rendered
+        from .card import card
+
+        return rendered(card(self))
+
 
 def whole(outcome: Outcome) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times and rows of an outcome, those that have left memory included."""
