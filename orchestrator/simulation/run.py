@@ -49,7 +49,8 @@ def run(
 
     Steps are those of the scenario's grid, or with a tolerance of the size that it asks for. With
     `estimate`, by default where there is a tolerance, the outcome carries estimated errors.
-    A failure in mid-run does not raise: the outcome carries it beside what was recorded.
+    A failure in mid-run does not raise: the outcome carries it beside what was recorded, and its
+    `checked` raises it.
     `segments` takes the rows of a long run off memory. `observers` are called at each
     communication point, see :class:`~orchestrator.simulation.observers.Observer`; one that raises
     ends the run as a failure in mid-run. Raises `InputError` where one has not their methods.
