@@ -10,6 +10,7 @@ ResilinError                     exit code
     +-- InstanceFailure          an instance returned anything but OK
     +-- Divergence                   NaN, infinity, bounds left, runaway growth
     +-- InitialisationError          no consistent start
+    +-- ObserverError                an observer of the user's that raised
 """
 
 from __future__ import annotations
@@ -101,6 +102,10 @@ class InitialisationError(SimulationError):
     """The units refuse their start values, or these do not settle."""
 
     exit_code = 2
+
+
+class ObserverError(SimulationError):
+    """An observer given to `run` raised; the cause is its own exception."""
 
 
 class RenamedWarning(FutureWarning):

@@ -70,7 +70,7 @@ class Page:
 def rendered(page: Page) -> str:
     """The page as one HTML text."""
     style, script = _own("page.css"), _own("page.js")
-    return _environment().get_template("page.html").render(
+    return environment().get_template("page.html").render(
         page=page, style=style, script=script, style_digest=_digest(style),
         script_digest=_digest(script),
     )  # fmt: skip
@@ -117,7 +117,8 @@ def _digest(text: str) -> str:
 
 
 @cache
-def _environment() -> Environment:
+def environment() -> Environment:
+    """Templates of this folder, which escape every text."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 

@@ -13,7 +13,7 @@ from .coupled_instance import Indices, Values
 from .interrupt import Interrupt
 from .masters import Master
 from .masters.extrapolation import Past, combined, point_weights
-from .observers import Observer
+from .observers import Watcher
 from .stepper import Stepper
 from .system import System
 
@@ -114,7 +114,7 @@ def adaptive(
     system: System,
     master: Master,
     tolerance: float,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> tuple[list[float], int, int]:
     """Step a system through its time span; communication points, steps, and rejections.

@@ -13,7 +13,7 @@ from ...fmi.instance import InProcessInstance
 from ..energy_audit import Audit
 from ..interrupt import Interrupt
 from ..masters import Extrapolated, GaussSeidel, Jacobi, Master
-from ..observers import Guard, Observer, Progress, Recorder
+from ..observers import Guard, Progress, Recorder, Watcher
 from ..step_control import Control
 from ..stepper import Stepper
 from ..system import System
@@ -26,7 +26,7 @@ PATIENCE = 0.05
 WATCHED = (Guard, Recorder, Audit, Progress)
 
 
-def unsuited(system: System, master: Master, watching: Sequence[Observer]) -> str:
+def unsuited(system: System, master: Master, watching: Sequence[Watcher]) -> str:
     """Why a run takes the Python loop; "" where the compiled one can take it."""
     if reason := missing():
         return reason
@@ -41,7 +41,7 @@ def unsuited(system: System, master: Master, watching: Sequence[Observer]) -> st
 def drive(
     system: System,
     master: Master,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
     points: Sequence[float] | None = None,
 ) -> int:
@@ -60,7 +60,7 @@ def drive_controlled(
     system: System,
     master: Master,
     tolerance: float,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> tuple[list[float], int, int]:
     """Step a system by a tolerance: communication points, steps, and rejections.
@@ -88,7 +88,7 @@ class _Drive:
         system: System,
         master: Master,
         stepper: Stepper,
-        watching: Sequence[Observer],
+        watching: Sequence[Watcher],
         interrupt: Interrupt | None,
         points: Sequence[float] | None,
     ) -> None:
