@@ -1,4 +1,4 @@
-"""Co-simulation of FMUs: scenarios, units, masters, results.
+"""Co-simulation of FMUs: scenarios, instances, masters, results.
 
 The two names that most users need are here: :func:`load` and :func:`run`. Both are imported when
 they are first used, so that a command that needs neither stays light.

@@ -24,8 +24,8 @@ FATAL = 4
 class InProcessInstance(Instance):
     """An instance called through preallocated buffers.
 
-    Subclasses say how their version of FMI names and shapes its functions; `dtypes` are the
-    array types of the values that travel.
+    Subclasses define how their version of FMI names and shapes its functions; `dtypes` are the
+    array types of the values that are passed.
     """
 
     PREFIX: ClassVar[str]
@@ -36,13 +36,13 @@ class InProcessInstance(Instance):
         self._running = False
         self._instance: Any = None
         self._broken = False
-        self._why = ""
+        self._reason = ""
         self._saved = 0
         self._functions: dict[str, Any] = {}
         self._library = loaded(interface, shared_library(interface, folder))
         self._instance = self._instantiate(folder)
         if not self._instance:
-            raise InstanceFailure(f"{name}: cannot be instantiated{self.said()}")
+            raise InstanceFailure(f"{name}: cannot be instantiated{self.last_message()}")
         self._send: Callable[[], int] = _nothing
         self._receive: list[Callable[[], int]] = []
         self._sent: list[Block] = []
@@ -72,7 +72,7 @@ class InProcessInstance(Instance):
         """Call without arguments that gets or sets variables of one type."""
 
     def _set_starts(self, start: Mapping[str, float | str]) -> None:
-        """Set start values by name; arrays with what has been set of them before."""
+        """Set start values by name; other elements of an array keep what was set before."""
         self._start = {**self._start, **start}
         every = self.interface.variables.values()
         variables = [self.interface.variables[name] for name in start]
@@ -80,7 +80,7 @@ class InProcessInstance(Instance):
         for v in variables:
             if v.kind == "Binary" or (v.kind == "String" and v.extent > 1):
                 raise InstanceFailure(
-                    f"{self.name}: {v.name} is no number or text: it cannot be set"
+                    f"{self.name}: {v.name} is neither a number nor a text: it cannot be set"
                 )
             if v.kind == "String":
                 self._set_text(v, str(start[v.name]))
@@ -140,7 +140,7 @@ class InProcessInstance(Instance):
 
     @abstractmethod
     def _advance(self, time: float, size: float) -> int:
-        """Status of one doStep; a saved state is said to be kept for a rollback."""
+        """Status of one doStep, which may be rolled back only while a state is saved."""
 
     def save(self) -> Any:
         state = ctypes.c_void_p()
@@ -176,7 +176,7 @@ class InProcessInstance(Instance):
 
     def _call(self, function: Any, *arguments: Any) -> None:
         if self._broken:
-            raise InstanceFailure(self._why)
+            raise InstanceFailure(self._reason)
         if status := function(self._instance, *arguments):
             self._fail(function.__name__, status)
 
@@ -185,8 +185,8 @@ class InProcessInstance(Instance):
             return
         self._broken = status >= FATAL
         label = STATUS[status] if 0 <= status < len(STATUS) else f"status {status}"
-        self._why = f"{self.name}: {what}: {label}{self.said()}"
-        raise InstanceFailure(self._why)
+        self._reason = f"{self.name}: {what}: {label}{self.last_message()}"
+        raise InstanceFailure(self._reason)
 
 
 _listeners: WeakValueDictionary[int, Instance] = WeakValueDictionary()
@@ -194,10 +194,10 @@ _numbers = itertools.count(1)
 
 
 def listen(instance: Instance) -> int:
-    """Number under which a unit's messages come back.
+    """Number that comes back with each message of an instance.
 
     fmpy's proxy for C varargs keeps one logger for the whole process, the last one given;
-    the environment handed to the instance is what still tells the units apart.
+    only the environment that is given to each instance still distinguishes them.
     """
     number = next(_numbers)
     _listeners[number] = instance
@@ -205,7 +205,7 @@ def listen(instance: Instance) -> int:
 
 
 def route(environment: int | None, status: int, message: bytes | None) -> None:
-    """Hand a message to the unit that it comes from."""
+    """Pass a message to the instance that it comes from."""
     instance = _listeners.get(environment or 0)
     if instance is not None:
         instance.log(status, (message or b"").decode("utf-8", "replace"))
