@@ -99,7 +99,8 @@ def _table(
         kind = arrays[column.place].dtype.kind
         if kind not in "fiu":
             raise RecordingError(
-                f"{path}: column {printable(column.heading)!r} holds {kind!r}, not numbers"
+                f"{path}: column {printable(column.heading)!r} holds values of kind {kind!r},"
+                " not numbers"
             )
     sizes = {column.heading: len(arrays[column.place]) for column in columns}
     count = sizes[columns[0].heading]

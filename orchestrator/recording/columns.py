@@ -90,7 +90,9 @@ class Choice:
             elif len(found) > 1:
                 problems.add("columns", f"{printable(key)!r} is {len(found)} columns; add the unit")
             elif name in taken.values() or found[0] in taken:
-                problems.add("columns", f"{printable(key)!r} repeats a column or a variable")
+                problems.add(
+                    "columns", f"{printable(key)!r} repeats the column or variable of another entry"
+                )
             else:
                 taken[found[0]] = name
         return taken

@@ -106,8 +106,8 @@ def _whole(table: Table, bridge: str) -> Table:
     if np.mean(np.abs(steps - usual) < ALIKE * usual) >= EVEN and steps.max() > LONG * usual:
         k = int(np.argmax(steps > LONG * usual)) + 1
         raise RecordingError(
-            f"{table.at(k)}: rows are missing: it comes {steps[k - 1]:.4g} s after the row before,"
-            f' where {usual:.4g} s is usual; gaps = "bridge" interpolates'
+            f"{table.at(k)}: rows are missing, {steps[k - 1]:.4g} s since the row before where"
+            f' {usual:.4g} s is usual; gaps = "bridge" interpolates'
         )
     return table
 

@@ -116,7 +116,7 @@ BAD: dict[str, tuple[str | bytes, dict[str, object], list[str]]] = {
     "taken twice": (
         GOOD,
         {"columns": {"force.value": "a", "force.value [N]": "b"}},
-        ["repeats a column or a variable"],
+        ["repeats the column or variable of another"],
     ),
     "nothing named": ("time,3 x\n0,1\n1,2\n", {}, ["no column has the name of a variable"]),
     "other unit": (GOOD, {"units": {"force.value": "kN"}}, ["is in N, but under units in kN"]),
