@@ -1,4 +1,4 @@
-"""Co-simulation of FMUs: scenarios, units, masters, results.
+"""Co-simulation of FMUs: scenarios, instances, masters, results.
 
 What most users need is here: :func:`load`, :func:`run`, :func:`dataset`, and :class:`Observer`
 with the :class:`View` that it is given. All are imported when they are first used, so that a

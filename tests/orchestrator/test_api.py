@@ -1,4 +1,4 @@
-"""The example of the README, as it stands there."""
+"""The example of the README, as it is printed there."""
 
 from __future__ import annotations
 
