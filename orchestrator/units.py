@@ -5,9 +5,16 @@ Inside the program, numbers are plain floats in SI. FMI writes products as `N.s/
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import hashlib
+import json
 import math
+import os
 import re
+import tempfile
+from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 from .errors import printable
@@ -18,6 +25,51 @@ _UNIT = re.compile(rf"{_FACTOR}(?:\s*[*/.·]\s*{_FACTOR})*")
 """Products of symbols with one-digit exponents; nothing that a parser would have to compute."""
 
 OFFSET_UNITS = ("degC", "degF", "celsius", "fahrenheit")
+
+
+class Answers:
+    """What pint has answered before, in a file of the user's cache: loading pint takes long.
+
+    Only answers are kept, no refusals, and under the version of pint and of this file.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[str, list[Any]] | None = None
+
+    def known(self, *question: str) -> list[Any] | None:
+        """The answer to a question; None where it has not been asked yet."""
+        return self._table().get("\n".join(question))
+
+    def keep(self, answer: list[Any], *question: str) -> None:
+        """Add an answer; where the file cannot be written, it is asked again next time."""
+        table = self._table()
+        table["\n".join(question)] = answer
+        path = self._path()
+        with contextlib.suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False) as file:
+                json.dump(table, file)
+            Path(file.name).replace(path)
+
+    def _table(self) -> dict[str, list[Any]]:
+        if self._known is None:
+            try:
+                found = json.loads(self._path().read_text(encoding="utf-8"))
+                self._known = found if isinstance(found, dict) else {}
+            except (OSError, ValueError):
+                self._known = {}
+        return self._known
+
+    @staticmethod
+    @functools.cache
+    def _path() -> Path:
+        digest = hashlib.sha256(Path(__file__).read_bytes())
+        digest.update(metadata.version("pint").encode())
+        root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "resilin"
+        return root / f"units-{digest.hexdigest()[:16]}.json"
+
+
+answers = Answers()
 
 
 class UnitError(ValueError):
@@ -43,6 +95,13 @@ def parsed(unit: str) -> Any:
         raise UnitError(f"unknown unit {unit!r} ({printable(str(error))})") from None
 
 
+def check_unit(unit: str) -> None:
+    """`UnitError` where a unit is not known."""
+    if answers.known("unit", unit) is None:
+        parsed(unit)
+        answers.keep([True], "unit", unit)
+
+
 def factor(from_unit: str, to_unit: str) -> float:
     """Factor that converts a number from one unit to the other.
 
@@ -51,6 +110,8 @@ def factor(from_unit: str, to_unit: str) -> float:
     """
     if from_unit == to_unit:
         return 1.0
+    if (known := answers.known("factor", from_unit, to_unit)) is not None:
+        return float(known[0])
     one, other = parsed(from_unit), parsed(to_unit)
     registry = _registry()
     if one.dimensionality != other.dimensionality:
@@ -58,7 +119,9 @@ def factor(from_unit: str, to_unit: str) -> float:
     zero = registry.Quantity(0.0, one).to(other).magnitude
     if zero != 0.0:
         raise UnitError(f"{from_unit} to {to_unit} needs an offset: state gain and offset")
-    return float(registry.Quantity(1.0, one).to(other).magnitude)
+    found = float(registry.Quantity(1.0, one).to(other).magnitude)
+    answers.keep([found], "factor", from_unit, to_unit)
+    return found
 
 
 _NAMED = ("1", "m", "s", "kg", "A", "K", "rad", "Hz", "N", "Pa", "J", "W", "C", "V", "Ohm", "F")
@@ -74,6 +137,14 @@ def in_base(unit: str) -> tuple[str, float]:
     `V` and `m/s` stay what they are, `mN` becomes `N`, `g*mm` `kg.m`. Raises `UnitError` for
     what is not a unit, and for degrees Celsius and Fahrenheit.
     """
+    if (known := answers.known("base", unit)) is not None:
+        return str(known[0]), float(known[1])
+    found = _in_base(unit)
+    answers.keep(list(found), "base", unit)
+    return found
+
+
+def _in_base(unit: str) -> tuple[str, float]:
     one = parsed(unit)
     registry = _registry()
     if registry.Quantity(0.0, one).to_base_units().magnitude != 0.0:

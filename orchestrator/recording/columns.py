@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import Problems, RecordingError, nearest, printable
-from ..units import UnitError, parsed
+from ..units import UnitError, check_unit
 from .table import TIME, Column
 
 _WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*")
@@ -107,7 +107,7 @@ class Choice:
             problems.add(where, f"is in {printable(heading.unit)}, but under units in {given}")
         unit = heading.unit or given
         try:
-            parsed(unit)
+            check_unit(unit)
         except UnitError as error:
             problems.add(where, error)
         return Column(place, heading.text, name, unit)

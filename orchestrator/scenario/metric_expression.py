@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..errors import nearest
-from ..units import factor, parsed
+from ..units import check_unit, factor
 
 FUNCTIONS = {
     "max": "largest value, of one variable or of several",
@@ -112,7 +112,7 @@ def unit_of(expression: Expression, units: dict[str, str]) -> str:
     if expression.unit and own:
         factor(own, expression.unit)
     elif expression.unit:
-        parsed(expression.unit)
+        check_unit(expression.unit)
     return expression.unit or own or "1"
 
 

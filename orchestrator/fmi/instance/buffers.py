@@ -30,7 +30,6 @@ DTYPES: dict[str, Any] = {
     "Int64": np.int64,
     "UInt64": np.uint64,
 }
-TOO_WIDE = "a whole number on an output is beyond 2^53: no double holds it"
 WIDE = ("Int64", "UInt64", "Enumeration")
 
 Binder = Callable[[str, list[int], Any], Callable[[], int]]
@@ -72,6 +71,19 @@ class Block:
         """Whether the FMU may work on the buffer itself."""
         whole = len(self.buffer) == count == len(self.staging)
         return whole and dtype == np.float64 and bool((self.places == np.arange(count)).all())
+
+
+def is_too_wide(block: Block) -> bool:
+    """Whether a block that has been read holds a whole number that no double holds."""
+    if block.kind not in WIDE:
+        return False
+    found = block.staging[block.places]
+    return max(int(found.max()), -int(found.min())) > EXACT
+
+
+def too_wide(kind: str) -> str:
+    """What is wrong with a whole number of some type that no double holds."""
+    return f"an output of type {kind} is beyond 2^53: no double holds it"
 
 
 def blocks(variables: list[Variable], dtypes: Mapping[str, Any]) -> list[Block]:
@@ -116,8 +128,8 @@ def reader(name: str, made: list[Block], values: Values, bind: Binder) -> Callab
         for block, call in calls:
             worst = max(worst, call())
             found = block.staging[block.places]
-            if block.kind in WIDE and max(int(found.max()), -int(found.min())) > EXACT:
-                raise InstanceFailure(f"{name}: {TOO_WIDE}")
+            if is_too_wide(block):
+                raise InstanceFailure(f"{name}: {too_wide(block.kind)}")
             values[block.buffer] = found
         return worst
 

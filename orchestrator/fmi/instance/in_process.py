@@ -16,7 +16,7 @@ import numpy as np
 from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable
 from .base import STATUS, Instance, Values
-from .buffers import TOO_WIDE, Block, blocks, reader, writer
+from .buffers import Block, blocks, is_too_wide, reader, too_wide, writer
 from .library import loaded, shared_library
 
 FATAL = 4
@@ -212,7 +212,8 @@ class InProcessInstance(Instance):
     def explain(self, phase: int, status: int, time: float, size: float) -> NoReturn:
         """Raise the `InstanceFailure` of a call that was made in C, by its place in the loop."""
         if phase == BEYOND:
-            raise InstanceFailure(f"{self.name}: {TOO_WIDE}")
+            kinds = [b.kind for made, _ in self._read for b in made if is_too_wide(b)]
+            raise InstanceFailure(f"{self.name}: {too_wide(kinds[0])}")
         if phase == REFUSED:
             self._refuse(time, size)
         if phase == SEND:
