@@ -68,10 +68,9 @@ def joined(start: str, end: str, inside: str = "", more: str = "") -> str:
 
 
 def elements(inside: str, connections: str = "", bindings: str = "") -> str:
-    joins = f"<ssd:Connections>{connections}</ssd:Connections>" if connections else ""
-    return (
-        f'<ssd:System name="top">{bindings}<ssd:Elements>{inside}</ssd:Elements>{joins}</ssd:System>'
-    )
+    wires = f"<ssd:Connections>{connections}</ssd:Connections>" if connections else ""
+    content = f"{bindings}<ssd:Elements>{inside}</ssd:Elements>{wires}"
+    return f'<ssd:System name="top">{content}</ssd:System>'
 
 
 PUSH = component(
