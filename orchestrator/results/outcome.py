@@ -25,7 +25,8 @@ class Outcome:
     `rollbacks` those of each instance, `residual` is what remained of the initial conditions,
     `couplings` the energy created and exchanged by each power coupling [J].
     `estimates` holds the error of each variable where it was asked for, `doubt` the reason where
-    there is none. `segments` holds the rows of a long run that have left memory; `times` and
+    there is none; `python_loop` the reason why the communication loop ran in Python, "" for the
+    compiled one. `segments` holds the rows of a long run that have left memory; `times` and
     `rows` are then the last ones.
     """
 
@@ -45,6 +46,7 @@ class Outcome:
     segments: Segments | None = None
     estimates: dict[str, Estimate] | None = None
     doubt: str = ""
+    python_loop: str = ""
 
     @property
     def kept(self) -> int:
