@@ -36,7 +36,7 @@ def inspect(
     ] = False,
     json: common.Json = False,
 ) -> None:
-    """Check a scenario and show what it is made of; no FMU is loaded or stepped.
+    """Check a scenario and show what it is made of; no FMU is loaded, except for --stability.
 
     Example: resilin inspect flapping-full-wings --diagram vehicle.svg
     """
