@@ -1,6 +1,6 @@
-"""Units at the border: texts such as `1.9 mm` to SI, by pint.
+"""Conversion of units: texts such as `1.9 mm` to SI, by pint.
 
-Inside, numbers are plain floats in SI. FMI writes products as `N.s/m` and `V2/s2`.
+Inside the program, numbers are plain floats in SI. FMI writes products as `N.s/m` and `V2/s2`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ OFFSET_UNITS = ("degC", "degF", "celsius", "fahrenheit")
 
 
 class UnitError(ValueError):
-    """A text that is no quantity, or not of the unit asked for."""
+    """A text that is not a quantity, or not convertible to the unit asked for."""
 
 
 @functools.cache
@@ -44,7 +44,7 @@ def parsed(unit: str) -> Any:
 
 
 def factor(from_unit: str, to_unit: str) -> float:
-    """What a number in one unit is multiplied by to be in the other.
+    """Factor that converts a number from one unit to the other.
 
     Raises `UnitError` where the dimensions differ, or where a conversion would need an
     offset (degrees Celsius): such a wire is ambiguous between value and difference.
@@ -72,7 +72,7 @@ def in_base(unit: str) -> tuple[str, float]:
     """The SI unit of the same dimension as FMI writes it, and how many of it one `unit` is.
 
     `V` and `m/s` stay what they are, `mN` becomes `N`, `g*mm` `kg.m`. Raises `UnitError` for
-    what is no unit, and for degrees Celsius and Fahrenheit.
+    what is not a unit, and for degrees Celsius and Fahrenheit.
     """
     one = parsed(unit)
     registry = _registry()

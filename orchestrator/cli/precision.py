@@ -65,7 +65,6 @@ def precision(
     from ..report.page import prepare as prepare_page
     from ..report.page import write as write_page
     from ..simulation.interrupt import Interrupt
-    from ..studies.precision.method import parse_method
     from ..studies.precision.page import page
     from ..studies.precision.study import LADDER
     from ..studies.precision.study import precision as study_precision
@@ -93,7 +92,7 @@ def precision(
         study = study_precision(
             scenario,
             common.library(fmus, native),
-            methods=[parse_method(text) for text in method or []] or None,
+            methods=method,
             ladder=factor or LADDER,
             tolerances=tolerance or (),
             also=also or (),

@@ -54,14 +54,13 @@ def sweep(
     Example: resilin sweep flapping-full-wings --over amplifier.frequency=10:26:1Hz
     """
     from ..simulation.interrupt import Interrupt
-    from ..studies.sweep.study import parse_axis
     from ..studies.sweep.study import sweep as run_sweep
 
     target = output or Path("results") / f"{Path(scenario).stem}.sweep.nc"
     with Interrupt() as interrupt, common.reported():
         data = run_sweep(
             scenario,
-            [parse_axis(text) for text in over],
+            over,
             common.library(fmus, native),
             target,
             changes=common.assignments(set_),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,6 @@ from numpy.typing import NDArray
 from ..scenario.plan import Plan
 from .error_estimate import Estimate
 from .segments import Segments
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True)
@@ -61,6 +58,19 @@ class Outcome:
     def series(self, name: str) -> NDArray[np.float64]:
         """Recorded values of `component.variable`."""
         return np.asarray(self.rows[:, self.names.index(name)])
+
+    def checked(self) -> Self:
+        """The same outcome; raises its `failure` where the run did not come to its end."""
+        if self.failure is not None:
+            raise self.failure
+        return self
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how the run went, its metrics, what was recorded."""
+        from ..report.notebook import rendered
+        from .card import card
+
+        return rendered(card(self))
 
 
 def whole(outcome: Outcome) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

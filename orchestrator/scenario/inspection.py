@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import printable
 from ..fmi.description import Variable
+from ..report.notebook import Card, of_terminal
 from .connections import Connection
 from .execution_order import reachable
 from .plan import Plan
@@ -19,6 +20,19 @@ LAWS = ("value", "affine", "curvature")
 def tables(plan: Plan) -> list[Table]:
     """Components in execution order, wires by port, held inputs, structure, the time grid."""
     return [_components(plan), _wires(plan), _held(plan), _shape(plan), _time(plan)]
+
+
+def card(plan: Plan) -> Card:
+    """The same for a notebook, all but the components folded away."""
+    first, *more = (of_terminal(table) for table in tables(plan))
+    master, grid = plan.scenario.master, plan.grid
+    lines = [
+        f"{plan.path}",
+        f"{grid.count} steps of {grid.step:.4g} s by {master.kind}, laws: {master.laws}",
+    ]
+    if plan.advice:
+        lines.append(f"auto: {plan.advice}")
+    return Card(printable(plan.scenario.title) or plan.path.stem, lines, [first], more)
 
 
 def facts(plan: Plan) -> dict[str, Any]:

@@ -76,6 +76,13 @@ class Plan:
         """Components that take steps of one size only."""
         return [name for name, known in self.interfaces.items() if not known.variable_step]
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what `resilin inspect` does."""
+        from ..report.notebook import rendered
+        from .inspection import card
+
+        return rendered(card(self))
+
 
 def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     """Check a scenario against its FMUs; `ScenarioError` with every problem."""

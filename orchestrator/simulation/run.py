@@ -16,11 +16,19 @@ from ..results.error_estimate import halved
 from ..results.outcome import Outcome, whole
 from ..results.segments import Segments
 from ..scenario.plan import Plan
-from .compiled.drive import drive, unsuited
+from .compiled.drive import drive, drive_controlled, unsuited
 from .energy_audit import Audit
 from .interrupt import Interrupt, Interrupted
 from .masters import Master, master_class
-from .observers import Guard, Observer, Progress, Recorder
+from .observers import (
+    Guard,
+    Observed,
+    Observer,
+    Progress,
+    Recorder,
+    Watcher,
+    check_observers,
+)
 from .step_control import adaptive
 from .stepper import Stepper
 from .system import System
@@ -36,15 +44,22 @@ def run(
     interrupt: Interrupt | None = None,
     segments: Segments | None = None,
     estimate: bool | None = None,
+    observers: Sequence[Observer] = (),
 ) -> Outcome:
     """Load the units of a plan, step them through its time span, and free them.
 
     Steps are those of the scenario's grid, or with a tolerance of the size that it asks for. With
     `estimate`, by default where there is a tolerance, the outcome carries estimated errors.
-    A failure in mid-run does not raise: the outcome carries it beside what was recorded.
-    `segments` takes the rows of a long run off memory.
+    A failure in mid-run does not raise: the outcome carries it beside what was recorded, and its
+    `checked` raises it.
+    `segments` takes the rows of a long run off memory. `observers` are called at each
+    communication point, see :class:`~orchestrator.simulation.observers.Observer`; one that raises
+    ends the run as a failure in mid-run. Raises `InputError` where one has not their methods.
     """
-    outcome = _stepped(plan, None, progress=progress, interrupt=interrupt, segments=segments)
+    check_observers(observers)
+    outcome = _stepped(
+        plan, None, progress=progress, interrupt=interrupt, segments=segments, observers=observers
+    )
     wanted = plan.scenario.time.tolerance is not None if estimate is None else estimate
     if not wanted or outcome.failure is not None:
         return outcome
@@ -90,6 +105,7 @@ def _stepped(
     progress: bool = False,
     interrupt: Interrupt | None = None,
     segments: Segments | None = None,
+    observers: Sequence[Observer] = (),
 ) -> Outcome:
     with System(plan) as system:
         settings = plan.scenario.master
@@ -98,10 +114,12 @@ def _stepped(
         recorder = Recorder(system, plan.scenario.record.every, segments)
         bar = Progress(system) if progress else None
         even = tolerance is None and points is None
-        watching: list[Observer] = [Guard(system, growth=even), recorder]
+        watching: list[Watcher] = [Guard(system, growth=even), recorder]
         audit = Audit(system)
         if even and audit.couplings:
             watching.append(audit)
+        if observers:
+            watching.append(Observed(system, observers))
         if bar is not None:
             watching.append(bar)
         reason = unsuited(system, master, watching)
@@ -117,7 +135,8 @@ def _stepped(
                 else:
                     steps = drive(system, master, watching, interrupt, points)
             else:
-                taken, steps, rejected = adaptive(system, master, tolerance, watching, interrupt)
+                controlled = adaptive if reason else drive_controlled
+                taken, steps, rejected = controlled(system, master, tolerance, watching, interrupt)
         except (SimulationError, OutputError, Interrupted) as error:
             failure = error
             steps = max((m.instance.steps for m in system.instances), default=0)
@@ -142,14 +161,14 @@ def _stepped(
         rollbacks=rollbacks,
         residual=system.residual,
         segments=segments,
-        python_loop="step control" if tolerance is not None and points is None else reason,
+        python_loop=reason,
     )
 
 
 def _in_python(
     system: System,
     master: Master,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None,
     points: Sequence[float] | None,
 ) -> int:
@@ -181,7 +200,7 @@ def _grid_points(plan: Plan) -> Sequence[float]:
 def advance(
     system: System,
     master: Master,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system through its grid; number of steps taken.
@@ -207,7 +226,7 @@ def along(
     system: System,
     master: Master,
     points: Sequence[float],
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system over given communication points; number of steps taken."""

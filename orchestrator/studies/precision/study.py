@@ -15,7 +15,7 @@ from ...simulation.interrupt import Interrupt, Interrupted
 from ...simulation.load import load
 from ...simulation.run import run
 from ..reference.solution import Reference, ReferenceSolution, leading, reference_solution
-from .method import Method, methods_for, own, with_step
+from .method import Method, methods_for, own, parse_method, with_step
 
 LADDER = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)
 TARGETS = (1e-2, 1e-3, 1e-4)
@@ -71,7 +71,7 @@ def precision(
     scenario: str | Path,
     library: Path = LIBRARY,
     *,
-    methods: Sequence[Method] | None = None,
+    methods: Sequence[Method | str] | None = None,
     ladder: Sequence[float] = LADDER,
     tolerances: Sequence[float] = (),
     also: Sequence[str | Path] = (),
@@ -85,6 +85,7 @@ def precision(
 ) -> Study:
     """Run a scenario by each method with its step times each factor of the ladder.
 
+    A method may be a text, as :func:`~orchestrator.studies.precision.method.parse_method` reads it.
     Besides, its own master gets each of the `tolerances`, and each scenario of `also`, by its own
     master, the same steps: a scenario with a part of another fidelity shows what that costs and
     how far it is from the first scenario. The reference is the first scenario's, see
@@ -93,9 +94,10 @@ def precision(
     fail stay in the study with their reason. Raises `InputError` on unknown variables and
     `ScenarioError` where the monolith is asked for and cannot be had.
     """
+    named = [parse_method(m) if isinstance(m, str) else m for m in methods or ()]
     given = dict(options or {})
     plan = load(scenario, changes, library, **given)
-    chosen = list(methods or methods_for(plan))
+    chosen = named or methods_for(plan)
     others = [load(other, None, library, **given) for other in also]
     measure = reference_solution(plan, library, reference, min(ladder), interrupt)
     shown = leading(plan, measure.exact, variables)

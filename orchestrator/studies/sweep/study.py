@@ -32,7 +32,7 @@ Check = Callable[[], None]
 
 def sweep(
     scenario: str | Path,
-    axes: Sequence[Axis],
+    axes: Sequence[Axis | str],
     library: Path = LIBRARY,
     target: Path = Path("results") / "sweep.nc",
     *,
@@ -48,6 +48,7 @@ def sweep(
 ) -> xarray.Dataset:
     """Run a scenario at every point of the axes' product; its metrics over dimension `point`.
 
+    An axis may be a text, as :func:`~orchestrator.studies.sweep.axes.parse_axis` reads it.
     `changes` and `options` hold for all points, as for :func:`orchestrator.simulation.load.load`.
     Points run on `workers` processes here, as many as processors by default, or on those of a
     dask `scheduler`. A run that stops, kills its worker twice or takes longer than `patience`
@@ -63,15 +64,16 @@ def sweep(
     from ...results.netcdf import clear, prepare
 
     common = dict(changes or {})
-    check_axes(axes, common)
+    parsed = [parse_axis(axis) if isinstance(axis, str) else axis for axis in axes]
+    check_axes(parsed, common)
     _check_numbers(workers, patience)
     if refine is not None:
-        _check_line(axes)
+        _check_line(parsed)
     check: Check = interrupt.check if interrupt is not None else _nothing
     setting = Setting(_place_of(scenario), str(library.absolute()), common, dict(options or {}))
-    grid = planned(setting, axes, check)
+    grid = planned(setting, parsed, check)
     if refine is not None and not grid.coordinates[0].numeric:
-        raise InputError(f"refine: {axes[0].name} takes texts, and there is nothing between them")
+        raise InputError(f"refine: {parsed[0].name} takes texts, and there is nothing between them")
     prepare(target)
     with (
         Checkpoint(target) as folder,

@@ -138,7 +138,7 @@ def test_all_problems_of_all_cases_at_once(library: Path, tmp_path: Path) -> Non
     with pytest.raises(ScenarioError) as caught:
         stability(load_cases(file), file, library)
     assert [p.split(":")[0] for p in caught.value.problems] == ["case a", "case b"]
-    with pytest.raises(ScenarioError, match=r"no case 'c'; there is a, b"):
+    with pytest.raises(ScenarioError, match=r"no case 'c'; there are a, b"):
         load_cases(file, ["c"])
 
 
