@@ -272,7 +272,7 @@ def build(
     into = into or (NATIVE if native else OUTPUT)
     wanted = list(platforms)
     if wanted and not native:
-        raise BuildError("--platform goes with --native: the Python FMUs run on all there are")
+        raise BuildError("--platform goes with --native: the Python FMUs run on every platform")
     if native:
         exporter = native_exporter(part, wanted)
     else:
@@ -514,7 +514,7 @@ def _replayed(
     if parts and parts != ["replay"]:
         raise BuildError(f"--recording makes a replay: leave out {', '.join(parts)}")
     if not alias:
-        raise BuildError("--recording makes a part of its own: name it with --as")
+        raise BuildError("--recording makes an FMU of its own: name it with --as")
     settings = _assignments(texts or [], [alias]).get(alias, {})
     return ["replay"], open_recorded(path, alias, settings), None
 
@@ -535,22 +535,22 @@ def build_command(
     recording: Annotated[
         Path | None,
         typer.Option(
-            help="Recording to make an FMU of; --set NAME.key=value gives what a scenario may."
+            help="Recording to make an FMU of; --set NAME.key=value takes the keys of a scenario."
         ),
     ] = None,
     into: Annotated[
         Path | None, typer.Option(help="Folder for the FMUs; build/fmus or build/native.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Build even what is unchanged.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Build unchanged parts too.")] = False,
     native: Annotated[
         bool, typer.Option("--native", help="Compile the parts: FMUs without Python in them.")
     ] = False,
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="Platform of a native FMU: linux64, win64, darwin64; may be repeated."),
+        typer.Option(help="Platform of a native FMU: linux64, win64, darwin64; may repeat."),
     ] = None,
 ) -> None:
-    """Build parts into FMUs; what is unchanged is left as it is.
+    """Build parts into FMUs; unchanged ones are left as they are.
 
     Example: build linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
     """

@@ -33,7 +33,7 @@ Native = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts, nothing else.")]
 Html = Annotated[
-    Path | None, typer.Option("--html", help="Write all of it as a page that opens offline.")
+    Path | None, typer.Option("--html", help="Write everything as a page that opens offline.")
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
 Stop = Annotated[str | None, typer.Option(help='End of the run, as "2 s" or "40 cycles".')]
@@ -60,7 +60,7 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
 
 
 def library(fmus: Path, native: bool) -> Path:
-    """Folder in which a scenario's parts are looked up."""
+    """Folder in which a scenario's parts are found."""
     if native and fmus != BUILT:
         raise InputError("--native and --fmus both name the folder of the parts: give one")
     return COMPILED if native else fmus
@@ -73,7 +73,7 @@ def overrides(
     step: str | None = None,
     tolerance: float | None = None,
 ) -> dict[str, dict[str, Any]]:
-    """Keys of a scenario that options replace, those alone that were given."""
+    """Keys of a scenario that options replace; only those that were given."""
     sized: Any = step
     if step is not None and step.split()[1:] == ["per", "cycle"] and step.split()[0].isdigit():
         sized = {"per_cycle": int(step.split()[0])}
@@ -90,7 +90,7 @@ def overrides(
 
 @contextmanager
 def reported() -> Iterator[None]:
-    """A user's mistake as lines on standard error and an exit code, never a traceback."""
+    """Show a user's mistake as lines on standard error and an exit code, never a traceback."""
     from ..simulation.interrupt import Interrupted
 
     try:
@@ -107,7 +107,7 @@ def fail(message: str, code: int) -> None:
 
 
 def print_json(content: Any) -> None:
-    """One JSON document on standard output; what is no finite number is null."""
+    """Print one JSON document; a number that is not finite is null."""
     typer.echo(json.dumps(_finite(content), indent=1))
 
 

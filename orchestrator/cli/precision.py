@@ -38,10 +38,12 @@ def precision(
         typer.Option(help="Another scenario at the same steps, against the same reference."),
     ] = None,
     reference: Annotated[
-        str | None, typer.Option(help="monolith or self; the first that can be had if not given.")
+        str | None,
+        typer.Option(help="monolith or self; if not given, the monolith where there is one."),
     ] = None,
     variable: Annotated[
-        list[str] | None, typer.Option(help="What the errors are of; the motion if not given.")
+        list[str] | None,
+        typer.Option(help="Variable whose error counts; the leading ones if none."),
     ] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Runs whose least wall time counts.")] = 3,
     output: Annotated[
@@ -55,7 +57,7 @@ def precision(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scenario by every method over a ladder of steps: error, order and run time of each.
+    """Run a scenario by every method at several steps: error, order and run time of each.
 
     Example: resilin precision flapping-full-wings --stop "10 cycles"
     """
@@ -79,7 +81,7 @@ def precision(
 
     with Interrupt() as interrupt, common.reported():
         if reference not in (None, "monolith", "self"):
-            raise InputError(f"--reference {reference!r}: monolith or self")
+            raise InputError(f"--reference {reference!r}: choose monolith or self")
         if any(not f > 0.0 for f in factor or []):
             raise InputError("--factor: has to be above zero")
         if any(not 0.0 < t < 1.0 for t in tolerance or []):
@@ -115,6 +117,6 @@ def precision(
         typer.echo(f"errors of {', '.join(study.variables)} against {study.reference}")
         for line in advice(study):
             typer.echo(line)
-        typer.echo(f"table:   {target}\npicture: {drawn}")
+        typer.echo(f"table:   {target}\nplot:    {drawn}")
         if html is not None:
             typer.echo(f"page:    {html}")

@@ -1,4 +1,4 @@
-"""`resilin run`: a scenario from start to stop, its result, its picture, its numbers."""
+"""`resilin run`: a scenario from start to stop, its result, its plot, its metrics."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def run(
     tolerance: common.Tolerance = None,
     estimate: Annotated[
         bool | None,
-        typer.Option(help="Run again at half the step to say how wrong the result is."),
+        typer.Option(help="Run again at half the step to estimate the error of the result."),
     ] = None,
     fmus: common.Library = common.BUILT,
     native: common.Native = False,
@@ -49,7 +49,7 @@ def run(
         bool, typer.Option("--verbose", help="Print calls, energies and messages too.")
     ] = False,
 ) -> None:
-    """Run a scenario; write its result, draw it, print the numbers that matter.
+    """Run a scenario; write its result, draw it, print its metrics.
 
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz" --estimate
     """
@@ -78,7 +78,7 @@ def run(
     if outcome.failure is not None:
         kept = f"{outcome.kept} rows are kept in {partial_path(target)}"
         common.fail(f"{outcome.failure}; {kept}", getattr(outcome.failure, "exit_code", 1))
-    _show(outcome, written, picture=picture, json=json, quiet=quiet, verbose=verbose)
+    _show(outcome, written, plot=picture, json=json, quiet=quiet, verbose=verbose)
 
 
 def recover(
@@ -96,16 +96,16 @@ def recover(
 
 
 def _show(
-    outcome: Outcome, written: Path, *, picture: bool, json: bool, quiet: bool, verbose: bool
+    outcome: Outcome, written: Path, *, plot: bool, json: bool, quiet: bool, verbose: bool
 ) -> None:
-    """What a run has to tell, from the file that it has written."""
+    """Plot and print a run, from the file that it has written."""
     import xarray
 
     from ..results.metrics import metrics
 
     drawn: Path | None = None
     with xarray.open_dataset(written) as data:
-        if picture:
+        if plot:
             drawn = _drawn(data, written)
         if quiet:
             return
@@ -141,7 +141,7 @@ def _drawn(data: xarray.Dataset, written: Path) -> Path | None:
 
 
 def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> dict[str, Any]:
-    """The same for scripts."""
+    """The report of a run as data for scripts."""
     estimates = outcome.estimates or {}
     return {
         "title": outcome.plan.scenario.title,
@@ -166,7 +166,7 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
 
 
 def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, verbose: bool) -> None:
-    """Print the table of metrics, what is to be warned of, and where the files are."""
+    """Print the table of metrics, the warnings, and where the files are."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -202,7 +202,7 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         console.print(f"residual at the start: {outcome.residual:.2g}", highlight=False)
     for line in warnings(outcome):
         console.print(Text(f"warning: {line}"), soft_wrap=True)
-    for label, path in (("result: ", written), ("picture:", drawn)):
+    for label, path in (("result:", written), ("plot:  ", drawn)):
         if path is not None:
             shown = Text(f"{label} {printable(str(path), most=1000)}")
             console.print(shown, soft_wrap=True)

@@ -1,4 +1,4 @@
-"""`resilin stability`: stiff and extreme cases by every master over a ladder of steps."""
+"""`resilin stability`: stiff and extreme cases by every master at several steps."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ def stability(
 ) -> None:
     """Run extreme cases by every master at 4 to 1024 steps in a cycle; class each run.
 
-    Accurate, bounded but inaccurate and saying so, stopped with an error, or silently wrong:
-    the last makes the exit code 1.
+    A run is accurate, bounded but inaccurate with a warning, stopped with an error, or silently
+    wrong; a silently wrong one makes the exit code 1.
 
     Example: resilin stability --case water --method gauss-seidel
     """
@@ -107,16 +107,16 @@ def stability(
             write_page(page(study), html)
     if json:
         trials = [asdict(trial) for trial in study.trials]
-        told = {"count": study.count(), "references": study.references, "trials": trials}
-        common.print_json(told)
+        found = {"count": study.count(), "references": study.references, "trials": trials}
+        common.print_json(found)
     elif not quiet:
-        _report(study, {"table": target, "picture": drawn, "page": html})
+        _report(study, {"table": target, "plot": drawn, "page": html})
     if study.count()["silent"]:
         raise typer.Exit(1)
 
 
 def _report(study: Study, files: dict[str, Path | None]) -> None:
-    """The table, what its letters mean, the counts, and where the files are."""
+    """Print the table, the meaning of its letters, the counts, and where the files are."""
     from rich.console import Console
 
     from ..studies.stability import CLASSES

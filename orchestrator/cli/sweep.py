@@ -48,8 +48,8 @@ def sweep(
 ) -> None:
     """Run a scenario at every point of a grid of start values; keep its metrics.
 
-    A point that fails costs that point alone. A sweep that was stopped goes on where it was when
-    the same command is given again.
+    A point that fails does not affect the others. A sweep that was stopped goes on where it was
+    when the same command is given again.
 
     Example: resilin sweep flapping-full-wings --over amplifier.frequency=10:26:1Hz
     """

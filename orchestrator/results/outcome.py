@@ -1,4 +1,4 @@
-"""What a run recorded, and how it went."""
+"""The outcome of a run: what it recorded, and how it went."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .segments import Segments
 class Outcome:
     """What a run recorded, and how it went. `failure` is None for a whole run.
 
-    `points` are its communication points, `rejected` the attempts beside them, `calls` and
-    `rollbacks` counts for each unit, `residual` what was left of the initial conditions,
+    `points` are its communication points, `rejected` counts the attempts beside them, `calls` and
+    `rollbacks` those of each instance, `residual` is what remained of the initial conditions,
     `couplings` the energy created and exchanged by each power coupling [J].
-    `estimates` holds the error of each variable where it was asked for, `doubt` says why
-    there is none; `python_loop` why the communication loop ran in Python, "" for the compiled one.
-    `segments` holds the rows of a long run that have left memory; `times` and
+    `estimates` holds the error of each variable where it was asked for, `doubt` the reason where
+    there is none; `python_loop` the reason why the communication loop ran in Python, "" for the
+    compiled one. `segments` holds the rows of a long run that have left memory; `times` and
     `rows` are then the last ones.
     """
 

@@ -1,8 +1,7 @@
-"""A picture of a run: what moved, what pushed, what it was fed, over the last cycles."""
+"""A plot of a run: the variables that its scenario names, over the last cycles."""
 
 from __future__ import annotations
 
-import json
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ import numpy as np
 from ..errors import InputError, nearest
 from ..report.image import save_figure
 from ..units import UnitError, factor
+from .scenario_attribute import scenario_table
 
 if TYPE_CHECKING:
     import xarray
@@ -23,10 +23,10 @@ MOST_POINTS = 20_000
 def draw(
     data: xarray.Dataset, path: Path, patterns: list[str] | None = None, cycles: float = CYCLES
 ) -> Path:
-    """Draw the last cycles, one panel for each kind of quantity, or for each unit of measure.
+    """Draw the last cycles, one panel for each of the scenario's table `plot`.
 
-    With `patterns` the variables that match, grouped by their units; `InputError` where none
-    does. `OutputError` where the picture cannot be written. `cycles` 0 draws everything.
+    With `patterns` the variables that match, one panel for each unit; `InputError` where none
+    does. `OutputError` where the plot cannot be written. `cycles` 0 draws everything.
     """
     import matplotlib
 
@@ -59,7 +59,7 @@ def _panels(data: xarray.Dataset) -> list[tuple[str, float, list[str]]]:
     """The panels of the scenario's table `plot` as far as recorded; else the first variables."""
     names = [str(name) for name in data.data_vars]
     panels = []
-    for label, text in _settings(data).items():
+    for label, text in scenario_table(data, "plot").items():
         patterns, _, unit = str(text).partition(" in ")
         shown = [n for n in names if any(fnmatchcase(n, p.strip()) for p in patterns.split(","))]
         if shown:
@@ -67,15 +67,6 @@ def _panels(data: xarray.Dataset) -> list[tuple[str, float, list[str]]]:
             scale = _scale(own, unit.strip())
             panels.append((f"{label} ({unit.strip() or own})", scale, shown))
     return panels or [("value", 1.0, names[:4])]
-
-
-def _settings(data: xarray.Dataset) -> dict[str, Any]:
-    """The scenario's own table `plot`, as the result carries it."""
-    try:
-        known = json.loads(data.attrs["scenario"])["plot"]
-    except (KeyError, ValueError, TypeError):
-        return {}
-    return known if isinstance(known, dict) else {}
 
 
 def _scale(own: str, wanted: str) -> float:

@@ -22,7 +22,7 @@ class Window:
     LEAST_ROWS: ClassVar[int] = 3
 
     class UndefinedError(Exception):
-        """A frequency or a phase of something that does not oscillate."""
+        """A frequency or a phase of a variable that does not oscillate."""
 
     def __init__(self, data: xarray.Dataset, cycles: int) -> None:
         time = np.asarray(data["time"].values, dtype=float)
@@ -55,7 +55,7 @@ class Window:
         return values if scale == 1.0 else scale * values
 
     def reduced(self, function: str, series: Sequence[Values | float]) -> float:
-        """A function of `orchestrator.scenario.metric_expression.FUNCTIONS` of series."""
+        """A function of `orchestrator.scenario.metric_expression.FUNCTIONS`, applied to series."""
         one = np.broadcast_to(np.asarray(series[0], dtype=float), self.time.shape)
         span = self.time[-1] - self.time[0]
         match function:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from ..errors import InputError, printable
 from ..report.image import save_figure
 from ..results.netcdf import netcdf_name
+from ..results.scenario_attribute import scenario_table
 from ..scenario.metric_expression import expression_of
 from ..simulation.linear.state_space import Linear
 
@@ -57,7 +57,9 @@ def beside(path: Path, drive: float) -> Beside:
 
 def _measured(data: xarray.Dataset) -> tuple[dict[str, str], str]:
     """Metrics of a sweep that are peak to peak values, by their output; and that of a phase."""
-    defined = json.loads(data.attrs["scenario"])["metrics"]
+    defined = scenario_table(data, "metrics")
+    if not defined:
+        raise ValueError("it carries no scenario with metrics")
     swings: dict[str, str] = {}
     phase = ""
     for name, text in defined.items():

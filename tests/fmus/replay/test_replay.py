@@ -143,7 +143,7 @@ def test_where_the_record_ends_the_run_stops(
 
 
 def test_a_replay_takes_the_place_of_a_part(library: Path, tmp_path: Path) -> None:
-    """Wires into the amplifier, its holds and its records are let go of, as with a file."""
+    """Wires into the amplifier, its holds and its records are dropped, as with a file."""
     scenario = tmp_path / "scenario.toml"
     scenario.write_text('extends = "oscillator-1"\n[components.amplifier]\nfmu = "replay"\n')
     plan = load(scenario, None, library, time={"stop": "20 cycles"})
