@@ -324,7 +324,7 @@ def _said(plan: Plan) -> Element:
         name: table.model_dump(mode="json", by_alias=True, exclude_unset=True)
         for name, table in tables.items()
     }
-    if plan.advice:
+    if plan.step_reason:
         said["time"]["step"] = plan.grid.step
     for name, items in (("actions", scenario.actions), ("faults", scenario.faults)):
         said[name] = [i.model_dump(mode="json", exclude_unset=True) for i in items]

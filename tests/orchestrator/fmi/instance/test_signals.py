@@ -17,7 +17,7 @@ import xarray
 
 from orchestrator.simulation.load import load
 from orchestrator.simulation.system import System
-from tests.foreign.scenarios import Shelf, sick
+from tests.foreign.scenarios import Shelf, faulty
 from tests.processes import REACHED, hosts, marked, resilin, started, until, when
 
 pytestmark = pytest.mark.usefixtures("mark")
@@ -42,7 +42,7 @@ def test_unit_follows_its_killed_master(
 ) -> None:
     """Only the folder for temporary files stays: nobody is left to remove it."""
     (tmp_path / "kept").mkdir()
-    path = sick(tmp_path, shelf("FAULTY", 2), fault, stop=1e5, patience="600 s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), fault, stop=1e5, patience="600 s")
     with begun(path, temporary=str(tmp_path / "kept")) as master:
         assert len(hosts(mark)) == 1
         master.kill()
@@ -65,7 +65,7 @@ def test_signal_to_the_whole_group_keeps_the_rows(
     ignored: tuple[str, ...], number: signal.Signals, shelf: Shelf, tmp_path: Path, mark: str
 ) -> None:
     """Whatever the parent ignores: an ignored signal that comes before does nothing."""
-    path = sick(tmp_path, shelf("FAULTY", 3), 0, stop=1e5)
+    path = faulty(tmp_path, shelf("FAULTY", 3), 0, stop=1e5)
     with begun(path, ignored) as master:
         for name in ignored:
             os.killpg(master.pid, signal.Signals[name])
@@ -85,7 +85,7 @@ def test_master_that_is_stopped_and_goes_on_keeps_its_unit(
 ) -> None:
     """The time it was stopped for is not held against the unit, which goes on working."""
     patience = 2.0
-    path = sick(tmp_path, shelf("FAULTY", 2), 0, stop=1e5, patience=f"{patience} s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), 0, stop=1e5, patience=f"{patience} s")
 
     def worked() -> float:
         return sum(host.cpu_times().user for host in hosts(mark))
@@ -106,7 +106,7 @@ def test_second_interrupt_ends_a_hanging_unit(shelf: Shelf, tmp_path: Path, mark
 
     Two that come at once count as one, so they come until the run ends.
     """
-    path = sick(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
     with begun(path) as master:
         interrupts = 0
         while master.poll() is None:
@@ -128,7 +128,7 @@ def test_interrupt_amid_an_answer_closes_all(
 ) -> None:
     reached = tmp_path / "reached"
     monkeypatch.setenv(REACHED, str(reached))
-    path = sick(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
 
     def struck(number: int, frame: object) -> None:
         raise KeyboardInterrupt
