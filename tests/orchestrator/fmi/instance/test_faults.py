@@ -80,13 +80,13 @@ def test_flood_of_messages_is_capped(version: int, shelf: Shelf, tmp_path: Path)
     """10 MB of log with escape codes, and as much on stdout: the first and the last stay."""
     path = faulty(tmp_path, shelf("FAULTY", version), 7)
     with System(load(path)) as system:
-        unit = system.instances[0].instance
+        instance = system.instances[0].instance
         for k in range(6):
-            unit.step(0.01 * k, 0.01)
-        assert len(unit.messages) == MOST_MESSAGES
-        assert max(len(message) for message in unit.messages) < 520
-        assert all(message.startswith("\\x1b[31mxxx") for message in unit.messages)
-        assert all(message.isprintable() for message in unit.messages)
+            instance.step(0.01 * k, 0.01)
+        assert len(instance.messages) == MOST_MESSAGES
+        assert max(len(message) for message in instance.messages) < 520
+        assert all(message.startswith("\\x1b[31mxxx") for message in instance.messages)
+        assert all(message.isprintable() for message in instance.messages)
     assert len(ran(path).times) == 11
 
 

@@ -148,9 +148,9 @@ def test_patience_is_for_calls_not_for_coming_up(
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
     path = shelf("MASS", 2)
     extract(path, tmp_path / "unpacked")
-    unit = open_instance("m", read_interface(path), tmp_path / "unpacked", True, limits)
-    unit.close()
-    assert unit.messages == []
+    instance = open_instance("m", read_interface(path), tmp_path / "unpacked", True, limits)
+    instance.close()
+    assert instance.messages == []
 
 
 def test_process_that_cannot_be_started_is_told(

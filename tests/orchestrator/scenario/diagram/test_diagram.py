@@ -29,7 +29,7 @@ def shown(path: Path) -> list[str]:
 
 
 def renamed(plan: Plan, old: str, new: str) -> Plan:
-    """The plan with another name for one of its units."""
+    """The plan with another name for one of its components."""
 
     def name(text: str) -> str:
         return new if text == old else text
@@ -50,22 +50,22 @@ def titled(plan: Plan, title: str) -> Plan:
 
 
 def crowd(plan: Plan, count: int = 12) -> Plan:
-    """Units of a scenario many times over, wired forwards, backwards, far and to themselves."""
-    units = [f"unit_{k}" for k in range(count)]
+    """Many copies of a scenario's components, wired forwards, backwards, far and to themselves."""
+    names = [f"part_{k}" for k in range(count)]
     kinds = list(plan.interfaces.values())
     interfaces = {
-        unit: replace(kinds[k % len(kinds)], rollback=k % 3 > 0, variable_step=k % 4 > 0)
-        for k, unit in enumerate(units)
+        name: replace(kinds[k % len(kinds)], rollback=k % 3 > 0, variable_step=k % 4 > 0)
+        for k, name in enumerate(names)
     }
     pairs = [(k, (k + step) % count) for k in range(count) for step in (0, 1, 3, 7, count - 1)]
     wires = [
-        Connection(units[a], c.output, units[b], c.input, 1.0, 0.0)
+        Connection(names[a], c.output, names[b], c.input, 1.0, 0.0)
         for a, b in pairs
         for c in plan.connections[: 2 + 9 * ((a + b) % 3)]
     ]
-    held = {f"{unit}.{v.name}": 0.5 for unit in units[::2] for v in interfaces[unit].of("input")}
+    held = {f"{name}.{v.name}": 0.5 for name in names[::2] for v in interfaces[name].of("input")}
     return replace(
-        plan, interfaces=interfaces, order=units, connections=wires, held=held, starts={}
+        plan, interfaces=interfaces, order=names, connections=wires, held=held, starts={}
     )
 
 
