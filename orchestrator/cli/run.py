@@ -198,6 +198,8 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         for name, count in outcome.calls.items():
             back = outcome.rollbacks.get(name, 0)
             console.print(f"{name}: {count} steps, {back} rollbacks", highlight=False)
+        loop = f"in Python: {outcome.python_loop}" if outcome.python_loop else "compiled"
+        console.print(f"communication loop {loop}", highlight=False)
         console.print(f"residual at the start: {outcome.residual:.2g}", highlight=False)
     for line in warnings(outcome):
         console.print(Text(f"warning: {line}"), soft_wrap=True)

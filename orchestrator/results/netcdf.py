@@ -116,6 +116,9 @@ def attributes(outcome: Outcome) -> dict[str, Any]:
         "coupling_energies": json.dumps(outcome.couplings),
         "error_estimate": outcome.doubt or ("none" if outcome.estimates is None else "half step"),
         "wall_time": outcome.wall_time,
+        "communication_loop": f"python: {outcome.python_loop}"
+        if outcome.python_loop
+        else "compiled",
         "complete": int(outcome.failure is None),
         "reason": str(outcome.failure or ""),
     }

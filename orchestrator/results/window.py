@@ -97,10 +97,15 @@ class Window:
         if self.drive <= 0.0:
             raise Window.UndefinedError
         push, response = self._fundamental(behind), self._fundamental(series)
-        if abs(push) == 0.0 or abs(response) == 0.0:
+        if self._is_still(push, behind) or self._is_still(response, series):
             raise Window.UndefinedError
         lag = float(np.angle(push / response))
         return lag if lag > -0.5 * np.pi else lag + 2.0 * np.pi
+
+    def _is_still(self, fundamental: complex, series: Values) -> bool:
+        """Whether a fundamental is nothing but the rounding of its series."""
+        span = float(self.time[-1] - self.time[0])
+        return abs(fundamental) <= 1e-12 * span * float(np.max(np.abs(series)))
 
     def _fundamental(self, series: Values) -> complex:
         """Fourier coefficient at the drive's frequency over the window."""

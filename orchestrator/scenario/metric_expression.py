@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..errors import nearest
@@ -56,11 +57,18 @@ def expression_of(text: str) -> Expression:
     if _is_series(tree):
         known = ", ".join(FUNCTIONS)
         raise ValueError(f"is a series over time and not one number; apply one of {known}")
-    variables = dict.fromkeys(
-        name for node in ast.walk(tree) if (name := variable_of(node)) is not None and "." in name
-    )
-    longest = [n for n in variables if not any(o != n and o.startswith(f"{n}.") for o in variables)]
-    return Expression(tree, tuple(longest), unit)
+    return Expression(tree, tuple(dict.fromkeys(_variables(tree))), unit)
+
+
+def _variables(node: ast.AST) -> Iterator[str]:
+    """Variables of a tree, from left to right."""
+    name = variable_of(node)
+    if name is not None:
+        yield name
+        return
+    inside = node.args if isinstance(node, ast.Call) else ast.iter_child_nodes(node)
+    for each in inside:
+        yield from _variables(each)
 
 
 def variable_of(node: ast.AST) -> str | None:

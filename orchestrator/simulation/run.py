@@ -16,6 +16,7 @@ from ..results.error_estimate import halved
 from ..results.outcome import Outcome, whole
 from ..results.segments import Segments
 from ..scenario.plan import Plan
+from .compiled.drive import drive, drive_controlled, unsuited
 from .energy_audit import Audit
 from .interrupt import Interrupt, Interrupted
 from .masters import Master, master_class
@@ -103,17 +104,21 @@ def _stepped(
             watching.append(audit)
         if bar is not None:
             watching.append(bar)
+        reason = unsuited(system, master, watching)
         failure: Exception | None = None
         taken: Sequence[float] = []
         rejected = 0
         begun = perf_counter()
         try:
-            if points is not None:
-                taken, steps = points, along(system, master, points, watching, interrupt)
-            elif tolerance is None:
-                taken, steps = _grid_points(plan), advance(system, master, watching, interrupt)
+            if points is not None or tolerance is None:
+                taken = _grid_points(plan) if points is None else points
+                if reason:
+                    steps = _in_python(system, master, watching, interrupt, points)
+                else:
+                    steps = drive(system, master, watching, interrupt, points)
             else:
-                taken, steps, rejected = adaptive(system, master, tolerance, watching, interrupt)
+                controlled = adaptive if reason else drive_controlled
+                taken, steps, rejected = controlled(system, master, tolerance, watching, interrupt)
         except (SimulationError, OutputError, Interrupted) as error:
             failure = error
             steps = max((m.instance.steps for m in system.instances), default=0)
@@ -138,7 +143,21 @@ def _stepped(
         rollbacks=rollbacks,
         residual=system.residual,
         segments=segments,
+        python_loop=reason,
     )
+
+
+def _in_python(
+    system: System,
+    master: Master,
+    watching: Sequence[Observer],
+    interrupt: Interrupt | None,
+    points: Sequence[float] | None,
+) -> int:
+    """The loop in Python, over the grid or over given points: number of steps."""
+    if points is None:
+        return advance(system, master, watching, interrupt)
+    return along(system, master, points, watching, interrupt)
 
 
 class _GridPoints(Sequence[float]):

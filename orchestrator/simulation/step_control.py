@@ -127,10 +127,10 @@ def adaptive(
     plan = system.plan
     grid = plan.grid
     stepper = Stepper(system, master)
-    columns = _columns(system)
+    columns = coupling_columns(system)
     able = all(known.rollback for known in plan.interfaces.values())
     estimator = Doubling(stepper, columns) if able else Foresight(stepper, columns)
-    control = _Control(system, tolerance)
+    control = Control(system, tolerance)
     scale = np.abs(system.values[columns])
     time, points, rejected = grid.start, [grid.start], 0
     size = grid.step if able else 0.1 * grid.step
@@ -167,7 +167,7 @@ def adaptive(
     return points, stepper.steps, rejected
 
 
-def _columns(system: System) -> Indices:
+def coupling_columns(system: System) -> Indices:
     """Places of the wired real values that are not members of laws."""
     plan = system.plan
     used = {f"{c.source}.{c.output.name}" for c in plan.connections if not c.output.order}
@@ -183,7 +183,7 @@ def _end(time: float, size: float, latest: float) -> float:
     return time + (0.5 * left if left < 2.0 * size else size)
 
 
-class _Control:
+class Control:
     """PI control of the step size from the relative error of each step."""
 
     def __init__(self, system: System, tolerance: float) -> None:

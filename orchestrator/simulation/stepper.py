@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from .masters import Master
 from .system import System
 
@@ -22,14 +24,19 @@ class Stepper:
         self.master = master
         self.steps = 0
         self.whole = bool(system.plan.fixed_step)
-        self._margin = MERGED * system.plan.grid.step
+        self.margin = MERGED * system.plan.grid.step
         self._actions = list(system.plan.actions)
-        self._quiet = not (system.announces or self._actions)
+        self.quiet = not (system.announces or self._actions)
         self.act(system.plan.grid.start)
+
+    @property
+    def next_action(self) -> float:
+        """Time of the next timed action; infinity without one."""
+        return self._actions[0].time if self._actions else inf
 
     def act(self, time: float) -> None:
         """Carry out the actions that are due at a communication point."""
-        while self._actions and self._actions[0].time <= time + self._margin:
+        while self._actions and self._actions[0].time <= time + self.margin:
             self.system.act(self._actions.pop(0))
             self.master.interrupt()
 
@@ -40,11 +47,11 @@ class Stepper:
         stop = self.system.next_event()
         if self._actions:
             stop = min(stop, self._actions[0].time)
-        return stop if time + self._margin < stop < end - self._margin else end
+        return stop if time + self.margin < stop < end - self.margin else end
 
     def to(self, time: float, end: float, size: float) -> None:
         """Go from `time` to `end`, in one step of `size` where nothing lies between."""
-        if self._quiet:
+        if self.quiet:
             self.master.advance(time, size)
             self.steps += 1
             return
@@ -65,7 +72,7 @@ class Stepper:
 
     def arrive(self, end: float, event: float) -> None:
         """Carry out what is due at a point that is kept; `event` is the last announced."""
-        if event <= end + self._margin:
+        if event <= end + self.margin:
             self.master.interrupt()
         if self._actions:
             self.act(end)
