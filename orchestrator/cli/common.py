@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..errors import InputError, ResilinError, printable
+
+if TYPE_CHECKING:
+    from ..studies.precision.method import Method
 
 ScenarioName = Annotated[str, typer.Argument(help="A shipped scenario's name, or a TOML file.")]
 Sets = Annotated[
@@ -25,6 +29,12 @@ Kind = Annotated[
     str | None,
     typer.Option(
         "--master", help="gauss-seidel, jacobi, extrapolated, iterative or interface-newton."
+    ),
+]
+MethodTexts = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--method", help="Master, or master/laws as jacobi/held; may repeat. All if not given."
     ),
 ]
 Library = Annotated[Path, typer.Option("--fmus", help="Folder of the built parts.")]
@@ -64,6 +74,18 @@ def library(fmus: Path, native: bool) -> Path:
     if native and fmus != BUILT:
         raise InputError("--native and --fmus both name the folder of the parts: give one")
     return COMPILED if native else fmus
+
+
+def methods(texts: list[str] | None) -> list[Method] | None:
+    """Methods of `--method`; None, which stands for all, where it is not given."""
+    from ..studies.precision.method import parse_method
+
+    return [parse_method(text) for text in texts or []] or None
+
+
+def shows_progress(quiet: bool, as_json: bool) -> bool:
+    """Whether a command shows its progress: on a terminal, unless output is for scripts."""
+    return sys.stderr.isatty() and not (quiet or as_json)
 
 
 def overrides(

@@ -145,7 +145,8 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
     estimates = outcome.estimates or {}
     return {
         "title": outcome.plan.scenario.title,
-        "advice": outcome.plan.advice,
+        "step_reason": outcome.plan.step_reason,
+        "advice": outcome.plan.step_reason,  # the old name, for one release
         "result": str(written),
         "picture": str(drawn) if drawn else None,
         "metrics": {m.name: {"value": m.value, "unit": m.unit} for m in found},
@@ -188,8 +189,8 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         f" {outcome.wall_time:.2f} s, {speed:.1f} times real time",
         highlight=False,
     )
-    if outcome.plan.advice:
-        console.print(f"auto: {outcome.plan.advice}", highlight=False)
+    if outcome.plan.step_reason:
+        console.print(f"auto: {outcome.plan.step_reason}", highlight=False)
     if outcome.estimates is not None:
         console.print(errors(outcome))
     if verbose:

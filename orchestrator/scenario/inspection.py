@@ -30,8 +30,8 @@ def card(plan: Plan) -> Card:
         f"{plan.path}",
         f"{grid.count} steps of {grid.step:.4g} s by {master.kind}, laws: {master.laws}",
     ]
-    if plan.advice:
-        lines.append(f"auto: {plan.advice}")
+    if plan.step_reason:
+        lines.append(f"auto: {plan.step_reason}")
     return Card(printable(plan.scenario.title) or plan.path.stem, lines, [first], more)
 
 

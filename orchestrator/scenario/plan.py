@@ -40,8 +40,8 @@ class Plan:
     """A checked scenario: what to load, how it is wired, when it communicates, what is kept.
 
     `limits` holds for isolated instances; `keep_from` is the time [s] from which rows are kept;
-    `advice` is the reason for the step where the scenario left it open. `recordings` take the place
-    of parts, `dropped` lists what the scenario loses by that.
+    `step_reason` is the reason for the step where the scenario left it open. `recordings` take the
+    place of parts, `dropped` lists what the scenario loses by that.
     """
 
     scenario: Scenario
@@ -58,7 +58,7 @@ class Plan:
     faults: list[Fault] = field(default_factory=list)
     limits: dict[str, Limits] = field(default_factory=dict)
     keep_from: float = -inf
-    advice: str = ""
+    step_reason: str = ""
     recordings: dict[str, Recording] = field(default_factory=dict)
     dropped: list[str] = field(default_factory=list)
 

@@ -113,7 +113,7 @@ class Observed:
 class Recorder:
     """Rows of the recorded values, each stamped with the time at which it holds.
 
-    With somewhere to put them, rows leave memory in closed segments: when `SEGMENT` bytes
+    With `segments`, rows are moved from memory to disk in closed segments: when `SEGMENT` bytes
     are full, and at the latest every `PATIENCE` seconds.
     """
 
@@ -192,10 +192,10 @@ class Recorder:
 class Guard:
     """Stops a run whose values have ceased to mean anything.
 
-    At every point: NaN, infinity, and what leaves the bounds that its FMU declares (1e100
-    where it declares none). With `growth`, which asks for equal steps, every `WINDOW` points: a
-    wired value whose peak has at least doubled in `WINDOWS` windows on end, which no
-    vibration that settles does, however it starts (a growth as t^n doubles over eight
+    It looks at every point for NaN, infinity, and values outside the bounds that their FMU
+    declares (1e100 where it declares none). With `growth`, which needs equal steps, it looks every
+    `WINDOW` points for a wired value whose peak has at least doubled in `WINDOWS` windows in a row.
+    No vibration that settles does that, however it starts (a growth as t^n doubles over eight
     windows only for n above 5).
     """
 
@@ -229,7 +229,7 @@ class Guard:
             self._compare(system, time)
 
     def _compare(self, system: System, time: float) -> None:
-        """Close a window: count on where the peak has doubled, start again elsewhere."""
+        """Close a window: add to the count where the peak has doubled, reset it elsewhere."""
         doubled = (self.peak >= 2.0 * self.previous) & (self.previous > 0.0)
         self.growing[:] = np.where(doubled & self.wired, self.growing + 1, 0)
         if (self.growing >= self.WINDOWS).any():
@@ -265,10 +265,10 @@ class Guard:
 
 
 def _last_message(system: System, name: str) -> str:
-    """The last thing the unit behind a value said, or `none`."""
+    """The last message that the instance of a value has logged, or `none`."""
     instance = name.partition(".")[0]
-    said = [m.instance.messages for m in system.instances if m.instance.name == instance]
-    return said[0][-1] if said and said[0] else "none"
+    logs = [m.instance.messages for m in system.instances if m.instance.name == instance]
+    return logs[0][-1] if logs and logs[0] else "none"
 
 
 class Progress:

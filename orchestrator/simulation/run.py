@@ -46,7 +46,7 @@ def run(
     estimate: bool | None = None,
     observers: Sequence[Observer] = (),
 ) -> Outcome:
-    """Load the units of a plan, step them through its time span, and free them.
+    """Load the instances of a plan, step them through its time span, and free them.
 
     Steps are those of the scenario's grid, or with a tolerance of the size that it asks for. With
     `estimate`, by default where there is a tolerance, the outcome carries estimated errors.
@@ -76,18 +76,18 @@ def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcom
 
     The scenario is run again with half of each communication step; see
     :func:`orchestrator.results.error_estimate.estimate`. Where that run fails the outcome stays
-    without estimates, and says why.
+    without estimates, and `doubt` is the reason.
     """
     if outcome.plan.fixed_step:
         fixed = ", ".join(outcome.plan.fixed_step)
-        return replace(outcome, doubt=f"{fixed} takes steps of one size only")
+        return replace(outcome, doubt=f"{fixed} can only take steps of one size")
     if outcome.kept * len(outcome.names) > MOST_HELD:
         return replace(outcome, doubt="the run is too long to be held in memory; see record.last")
     times, held = whole(outcome)
     try:
         again = _stepped(outcome.plan, halved(outcome.points), interrupt=interrupt)
     except ResilinError as error:
-        return replace(outcome, doubt=f"a second time: {error}")
+        return replace(outcome, doubt=f"the second run, at half the step, fails: {error}")
     if isinstance(again.failure, Interrupted):
         return replace(outcome, failure=again.failure)
     if again.failure is not None:
@@ -179,7 +179,7 @@ def _in_python(
 
 
 class _GridPoints(Sequence[float]):
-    """Communication points of a grid, made when asked for."""
+    """Communication points of a grid, calculated on access."""
 
     def __init__(self, plan: Plan) -> None:
         self._grid = plan.grid
@@ -205,8 +205,8 @@ def advance(
 ) -> int:
     """Step a system through its grid; number of steps taken.
 
-    Time is start + k * step. What happens strictly between two points splits that step; rows
-    are kept at the points of the grid alone, so that they stay equidistant.
+    Time is start + k * step. A discontinuity or an action strictly between two points splits that
+    step; rows are recorded at the points of the grid alone, so that they stay equidistant.
     """
     grid = system.plan.grid
     stepper = Stepper(system, master)

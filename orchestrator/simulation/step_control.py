@@ -28,22 +28,22 @@ MILNE = 1.0 / 6.0
 
 
 class Estimator(Protocol):
-    """Takes one step and says how wrong it is."""
+    """Takes one step and estimates its error."""
 
     rejects: bool
 
     def attempt(self, time: float, size: float) -> Values:
-        """Step from `time`; estimated local error of each coupling value."""
+        """Step from `time`; return the estimated local error of each coupling value."""
 
     def undo(self) -> None:
-        """Go back to before the last attempt, where `rejects`."""
+        """Go back to before the last attempt; only where `rejects` is true."""
 
     def accept(self) -> None:
         """Keep the last attempt."""
 
 
 class Doubling:
-    """The same step once whole and once in halves, from one saved state; the halves are kept."""
+    """Takes a step whole and then in halves, from one saved state; the halves are kept."""
 
     rejects = True
 
@@ -79,7 +79,7 @@ class Doubling:
 
 
 class Foresight:
-    """What a parabola through the last points foresaw against what came; needs no rollback."""
+    """Compares a step with a parabola through the points before it; needs no rollback."""
 
     rejects = False
 
@@ -96,17 +96,17 @@ class Foresight:
         self._stepper.master.advance(time, size)
         self._stepper.steps += 1
         self.points = [end]
-        seen = combined(point_weights(past.times, end, size), past.values)
-        return MILNE * np.abs(seen - values[self._columns])
+        foreseen = combined(point_weights(past.times, end, size), past.values)
+        return MILNE * np.abs(foreseen - values[self._columns])
 
     def undo(self) -> None:
         raise NotImplementedError
 
     def accept(self) -> None:
-        """Nothing is saved, nothing to free."""
+        """Do nothing: no state is saved."""
 
     def interrupt(self) -> None:
-        """A discontinuity lies between: what was seen before it says nothing of after."""
+        """Forget the points before a discontinuity: they predict nothing after it."""
         self._past.forget()
 
 
@@ -122,7 +122,7 @@ def adaptive(
     The local error of a step, relative to the largest value seen, may use up its share of
     the tolerance: step over the time in which errors add up, `MEMORY` cycles or the whole
     run. A PI controller (Gustafsson 1991) sets the next step; a step that misses by more is
-    taken again, shorter, where all units roll back. Steps end at discontinuities.
+    taken again, shorter, where all instances roll back. Steps end at discontinuities.
     """
     plan = system.plan
     grid = plan.grid
@@ -168,7 +168,7 @@ def adaptive(
 
 
 def coupling_columns(system: System) -> Indices:
-    """Places of the wired real values that are no members of laws."""
+    """Places of the wired real values that are not members of laws."""
     plan = system.plan
     used = {f"{c.source}.{c.output.name}" for c in plan.connections if not c.output.order}
     chosen = [k for k in system.wired if system.names[k] in used and system.variables[k].real]
@@ -176,7 +176,7 @@ def coupling_columns(system: System) -> Indices:
 
 
 def _end(time: float, size: float, latest: float) -> float:
-    """End of a step of about `size`; no crumb is left before `latest`."""
+    """End of a step of about `size`; no tiny step is left over before `latest`."""
     left = latest - time
     if left <= 1.01 * size:
         return latest
@@ -184,7 +184,7 @@ def _end(time: float, size: float, latest: float) -> float:
 
 
 class Control:
-    """PI control of the step from relative errors per step."""
+    """PI control of the step size from the relative error of each step."""
 
     def __init__(self, system: System, tolerance: float) -> None:
         grid, frequency = system.plan.grid, system.plan.frequency

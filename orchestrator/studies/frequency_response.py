@@ -1,4 +1,4 @@
-"""Frequency response of a linearised scenario as a picture."""
+"""Frequency response of a linearised scenario as a plot."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ MOST = 8
 
 @dataclass(frozen=True)
 class Beside:
-    """A sweep of the nonlinear scenario over frequency: half its travels and strokes by `drive`.
+    """A sweep of the nonlinear scenario over frequency: half its travels and strokes by the drive.
 
-    `drive` is the amplitude of what drove it, in the unit of the linear input.
+    Amplitudes are divided by that of the drive, in the unit of the linear input.
     """
 
     frequencies: NDArray[np.float64]
@@ -36,14 +36,18 @@ class Beside:
 
 
 def beside(path: Path, drive: float) -> Beside:
-    """Read a sweep that `resilin sweep` has written over one parameter called frequency."""
+    """Read a sweep that `resilin sweep` has written over one parameter called frequency.
+
+    `drive` is the drive's amplitude in the unit of the linear input. Raises `InputError` where the
+    file cannot be read as such a sweep.
+    """
     import xarray
 
     try:
         with xarray.open_dataset(path) as data:
             axes = [str(c) for c in data.coords if str(c).rpartition(".")[2] == "frequency"]
             if len(axes) != 1:
-                raise InputError(f"{path}: is no sweep over one frequency")
+                raise InputError(f"{path}: is not a sweep over one frequency")
             swings, phase = _measured(data)
             found = {
                 output: 0.5 * np.asarray(data[metric], float) / drive

@@ -324,7 +324,7 @@ def _annotation(plan: Plan) -> Element:
         name: table.model_dump(mode="json", by_alias=True, exclude_unset=True)
         for name, table in models.items()
     }
-    if plan.advice:
+    if plan.step_reason:
         tables["time"]["step"] = plan.grid.step
     for name, items in (("actions", scenario.actions), ("faults", scenario.faults)):
         tables[name] = [i.model_dump(mode="json", exclude_unset=True) for i in items]
