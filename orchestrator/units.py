@@ -13,6 +13,7 @@ import math
 import os
 import re
 import tempfile
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,7 @@ OFFSET_UNITS = ("degC", "degF", "celsius", "fahrenheit")
 class Answers:
     """What pint has answered before, in a file of the user's cache: loading pint takes long.
 
-    Only answers are kept, no refusals, and under the version of pint and of this file.
+    They are kept under the version of pint and of this file.
     """
 
     def __init__(self) -> None:
@@ -70,6 +71,7 @@ class Answers:
 
 
 answers = Answers()
+REFUSED = "refused"
 
 
 class UnitError(ValueError):
@@ -95,11 +97,23 @@ def parsed(unit: str) -> Any:
         raise UnitError(f"unknown unit {unit!r} ({printable(str(error))})") from None
 
 
+def _asked(question: tuple[str, ...], ask: Callable[[], list[Any]]) -> list[Any]:
+    """The answer to a question, from the cache or from pint; refusals are answers too."""
+    known = answers.known(*question)
+    if known is None:
+        try:
+            known = ask()
+        except UnitError as error:
+            known = [REFUSED, str(error)]
+        answers.keep(known, *question)
+    if known[0] == REFUSED:
+        raise UnitError(known[1])
+    return known
+
+
 def check_unit(unit: str) -> None:
     """`UnitError` where a unit is not known."""
-    if answers.known("unit", unit) is None:
-        parsed(unit)
-        answers.keep([True], "unit", unit)
+    _asked(("unit", unit), lambda: [str(parsed(unit))])
 
 
 def factor(from_unit: str, to_unit: str) -> float:
@@ -110,8 +124,11 @@ def factor(from_unit: str, to_unit: str) -> float:
     """
     if from_unit == to_unit:
         return 1.0
-    if (known := answers.known("factor", from_unit, to_unit)) is not None:
-        return float(known[0])
+    found = _asked(("factor", from_unit, to_unit), lambda: [_factor(from_unit, to_unit)])
+    return float(found[0])
+
+
+def _factor(from_unit: str, to_unit: str) -> float:
     one, other = parsed(from_unit), parsed(to_unit)
     registry = _registry()
     if one.dimensionality != other.dimensionality:
@@ -119,9 +136,7 @@ def factor(from_unit: str, to_unit: str) -> float:
     zero = registry.Quantity(0.0, one).to(other).magnitude
     if zero != 0.0:
         raise UnitError(f"{from_unit} to {to_unit} needs an offset: state gain and offset")
-    found = float(registry.Quantity(1.0, one).to(other).magnitude)
-    answers.keep([found], "factor", from_unit, to_unit)
-    return found
+    return float(registry.Quantity(1.0, one).to(other).magnitude)
 
 
 _NAMED = ("1", "m", "s", "kg", "A", "K", "rad", "Hz", "N", "Pa", "J", "W", "C", "V", "Ohm", "F")
@@ -137,11 +152,8 @@ def in_base(unit: str) -> tuple[str, float]:
     `V` and `m/s` stay what they are, `mN` becomes `N`, `g*mm` `kg.m`. Raises `UnitError` for
     what is not a unit, and for degrees Celsius and Fahrenheit.
     """
-    if (known := answers.known("base", unit)) is not None:
-        return str(known[0]), float(known[1])
-    found = _in_base(unit)
-    answers.keep(list(found), "base", unit)
-    return found
+    name, size = _asked(("base", unit), lambda: list(_in_base(unit)))
+    return str(name), float(size)
 
 
 def _in_base(unit: str) -> tuple[str, float]:

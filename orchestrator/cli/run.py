@@ -13,10 +13,9 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
-    import xarray
-
     from ..results.metrics import Metric
     from ..results.outcome import Outcome
+    from ..results.recorded import Recorded
 
 
 def add_to(app: typer.Typer) -> None:
@@ -99,17 +98,16 @@ def _show(
     outcome: Outcome, written: Path, *, plot: bool, json: bool, quiet: bool, verbose: bool
 ) -> None:
     """Plot and print a run, from the file that it has written."""
-    import xarray
-
     from ..results.metrics import metrics
+    from ..results.recorded import read_recorded, recorded
 
     drawn: Path | None = None
-    with xarray.open_dataset(written) as data:
-        if plot:
-            drawn = _drawn(data, written)
-        if quiet:
-            return
-        found = metrics(data, outcome.plan.scenario.metrics.cycles)
+    data = recorded(outcome) if outcome.segments is None else read_recorded(written)
+    if plot:
+        drawn = _drawn(data, written)
+    if quiet:
+        return
+    found = metrics(data)
     if json:
         common.print_json(_facts(outcome, found, written, drawn))
         _check_numbers(found)
@@ -128,7 +126,7 @@ def _check_numbers(found: Sequence[Metric]) -> None:
         common.fail("\n".join(wrong), 1)
 
 
-def _drawn(data: xarray.Dataset, written: Path) -> Path | None:
+def _drawn(data: Recorded, written: Path) -> Path | None:
     from ..errors import OutputError
     from ..results.plot import draw
 

@@ -8,7 +8,6 @@ from ..errors import printable
 from ..report.notebook import LONGEST, Card
 from ..report.table import Cell, Column, Table, quantity
 from .metrics import metrics
-from .netcdf import labelled
 from .outcome import Outcome
 
 
@@ -34,8 +33,7 @@ def _lines(outcome: Outcome) -> Iterator[str]:
 
 def _metrics(outcome: Outcome) -> Iterator[Table]:
     """The metrics, where there are any."""
-    data = labelled(outcome, {"frequency": outcome.plan.frequency or 0.0})
-    found = metrics(data, outcome.plan.scenario.metrics.cycles)
+    found = metrics(outcome)
     if found:
         columns = [Column("metric"), Column("value", number=True)]
         rows = [[Cell(m.name), quantity(m.value, m.shown)] for m in found]

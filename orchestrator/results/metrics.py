@@ -13,7 +13,8 @@ import numpy as np
 
 from ..scenario.metric_expression import Expression, expression_of, unit_of, variable_of
 from ..units import UnitError, in_base
-from .scenario_attribute import scenario_table
+from .outcome import Outcome
+from .recorded import Recorded, recorded
 from .window import Window
 
 if TYPE_CHECKING:
@@ -38,14 +39,15 @@ class Metric:
     shown: str
 
 
-def metrics(data: xarray.Dataset, cycles: int | None = None) -> list[Metric]:
-    """The metrics of the scenario that a dataset comes from, over its last `cycles` cycles.
+def metrics(source: Recorded | Outcome | xarray.Dataset, cycles: int | None = None) -> list[Metric]:
+    """The metrics of the scenario that a result comes from, over its last `cycles` cycles.
 
     Those whose variables were not recorded are left out, as are a frequency and a phase of a
     variable that does not move. A scenario that defines none gets the last value of its first
     variables.
     """
-    settings = scenario_table(data, "metrics")
+    data = recorded(source)
+    settings = data.metrics or {}
     window = Window(data, cycles or int(settings.get("cycles", CYCLES)))
     defined = {str(k): str(v) for k, v in settings.items() if k != "cycles"}
     return list(_found(window, defined or _unasked(window)))

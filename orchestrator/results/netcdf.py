@@ -38,11 +38,6 @@ def dataset(outcome: Outcome) -> xarray.Dataset:
     versions, master, step; and how the run went. Of a run whose rows have left memory in segments
     only the last rows are here: :func:`write` puts all of them into one file.
     """
-    return labelled(outcome, attributes(outcome))
-
-
-def labelled(outcome: Outcome, attributes: dict[str, Any]) -> xarray.Dataset:
-    """The same with other attributes."""
     import xarray
 
     data = {
@@ -50,7 +45,7 @@ def labelled(outcome: Outcome, attributes: dict[str, Any]) -> xarray.Dataset:
         for k, column in enumerate(columns(outcome.plan, outcome.estimates))
     }
     time = ("time", outcome.times, {"units": "s", "long_name": "Time at which values hold"})
-    return xarray.Dataset(data, coords={"time": time}, attrs=attributes)
+    return xarray.Dataset(data, coords={"time": time}, attrs=attributes(outcome))
 
 
 def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Column]:

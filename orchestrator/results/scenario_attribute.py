@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    import xarray
+from collections.abc import Mapping
+from typing import Any
 
 NAMES = ("scenario", "scene")
 """Name of the attribute, and the one that the previous release gave it."""
 
 
-def scenario_table(data: xarray.Dataset, key: str) -> dict[str, Any]:
+def scenario_table(attributes: Mapping[Any, Any], key: str) -> dict[str, Any]:
     """A table of the scenario behind a result, as `metrics`; empty where there is none to read."""
-    text = next((data.attrs[name] for name in NAMES if name in data.attrs), "{}")
+    text = next((attributes[name] for name in NAMES if name in attributes), "{}")
     try:
         table = json.loads(text)[key]
     except (KeyError, ValueError, TypeError):

@@ -61,7 +61,7 @@ def beside(path: Path, drive: float) -> Beside:
 
 def _measured(data: xarray.Dataset) -> tuple[dict[str, str], str]:
     """Metrics of a sweep that are peak to peak values, by their output; and that of a phase."""
-    defined = scenario_table(data, "metrics")
+    defined = scenario_table(data.attrs, "metrics")
     if not defined:
         raise ValueError("it carries no scenario with metrics")
     swings: dict[str, str] = {}

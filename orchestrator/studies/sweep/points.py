@@ -158,7 +158,6 @@ def calculate(point: Point) -> dict[str, Any]:
     than those that the sweep was planned with.
     """
     from ...results.metrics import metrics
-    from ...results.netcdf import dataset
     from ...simulation.run import run
 
     def work() -> dict[str, Any]:
@@ -168,7 +167,7 @@ def calculate(point: Point) -> dict[str, Any]:
         outcome = run(plan, estimate=False)
         if outcome.failure is not None:
             raise RunFailed(str(outcome.failure), outcome.steps)
-        found = metrics(dataset(outcome), plan.scenario.metrics.cycles)
+        found = metrics(outcome)
         return {
             "metrics": [[metric.name, metric.value, metric.unit] for metric in found],
             "steps": outcome.steps,
