@@ -13,14 +13,9 @@ def header(part: Part, guid: str, variables: list[Variable], translation: Transl
         kind: sum(v.causality == kind for v in variables)
         for kind in ("input", "parameter", "output")
     }
-    aliases = [
-        f"typedef {made} {name};" for name, made in translation.names.items() if made != name
-    ]
     lines = [
         "/* What layer.c has to know of the part; made by the build. */",
-        f'#include "{translation.name}.h"',
-        "",
-        *aliases,
+        *records(translation),
         *(f"#define PART_{e.upper()} {translation.name}_{e}" for e in ENTRIES),
         "",
         f"#define GUID {quoted(guid)}",
@@ -39,6 +34,13 @@ def header(part: Part, guid: str, variables: list[Variable], translation: Transl
         "};",
     ]
     return "\n".join([*lines, ""])
+
+
+def records(translation: Translation) -> list[str]:
+    """The translation's header, and its records under the names that were asked for."""
+    names = translation.names.items()
+    aliases = [f"typedef {made} {name};" for name, made in names if made != name]
+    return [f'#include "{translation.name}.h"', "", *aliases]
 
 
 def _row(variable: Variable) -> str:

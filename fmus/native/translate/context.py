@@ -47,7 +47,7 @@ class Context:
         self.stored = stored
         self.read = read
         self.kinds = dict(kinds)
-        self.widened = False
+        self.unsure = False
         self.bound: set[str] = set()
         self.places: dict[str, str] = {}
         self.parameters: frozenset[str] = frozenset()
@@ -116,7 +116,7 @@ class Context:
         """Values worked out from left to right, as Python does and C need not.
 
         The order tells where two of them may raise different errors: the earlier one is then
-        kept. So are those whose number is in `keep`.
+        kept. So are those whose number is in `keep`, which are used twice, if they may fail.
         """
         found = []
         for part in parts:
@@ -128,7 +128,7 @@ class Context:
             self.made.lines += made.lines
             later: set[str] = set().union(*(after.causes for _, after in found[number + 1 :]))
             early = bool(value.causes and later and len(value.causes | later) > 1)
-            if early or (number in keep and not value.simple):
+            if early or (number in keep and value.causes):
                 value = self.kept(value)
             values.append(value)
         return values
@@ -147,6 +147,6 @@ class Context:
         if before in NUMBERS and kind in NUMBERS:
             if before == FLOAT:
                 self.kinds[name] = ROUNDED
-                self.widened = True
+                self.unsure = True
             return ROUNDED
         self.refuse(node, f"{name} is {before.name} before, and {kind.name} here")

@@ -227,7 +227,7 @@ def _compare(c: Context, node: ast.Compare) -> Value:
         last = number_ == len(signs)
         with c.apart(deeper=True) as made:
             following = value(c, operands[number_])
-            if not last and not following.simple:
+            if not last and following.causes:
                 following = c.kept(following)
             step = _compared(c, node, sign, second, following)
         if made.lines and not last:

@@ -63,7 +63,7 @@ def translated(
 def _body(
     unit: Unit, source: Source, node: ast.FunctionDef, parameters: list[Parameter], returns: Kind
 ) -> tuple[Context, bool]:
-    """Translate until types and names stand still: a later line may widen an earlier type."""
+    """Translate until types and names are sure: a later line may tell of an earlier one's."""
     kinds: dict[str, Kind] = {}
     taken = OWN
     where = scopes(node)
@@ -75,10 +75,11 @@ def _body(
             context.bound.add(p.name)
             context.places[p.name] = "pointer" if p.by_address else "variable"
         going = Statements(context, where, returns).block(node.body)
-        if context.kinds == kinds and context.globals <= taken:
+        hidden = context.globals & {context.named(name) for name in context.stored}
+        if not context.unsure and not hidden:
             return context, going
         kinds = context.kinds
-        taken = taken | context.globals
+        taken = taken | hidden
 
 
 def _parameters(

@@ -8,7 +8,7 @@ from typing import Any
 
 from . import expressions
 from .context import Context
-from .kinds import WHOLE, Fixed, Kind
+from .kinds import FLOAT, WHOLE, Fixed, Kind
 from .scope import Block, Scope, assigned_in
 from .text import STEP, flat, quoted
 from .value import NOTHING, UNARY, Value, viewed
@@ -43,15 +43,18 @@ class Statements:
         for name, scope in self._scopes.items():
             if scope.block != block or scope.first != number or name in own:
                 continue
-            if name in self._c.read and name in self._c.kinds:
-                kind = self._c.unit.c_type(self._c.kinds[name])
-                self._c.emit(f"{kind} {self._c.named(name)};")
+            if name in self._c.read:
+                kind = self._c.kinds.get(name, FLOAT)
+                self._c.unsure |= name not in self._c.kinds
+                self._c.emit(f"{self._c.unit.c_type(kind)} {self._c.named(name)};")
             self._declared.add(name)
 
     def _put(self, node: ast.stmt, name: str, value: Value) -> None:
         """Assign to a variable, and declare it where it lives from here on."""
         c = self._c
         if name not in c.read:
+            if not name.startswith("_"):
+                c.assigned(node, name, value.kind)
             if value.causes:
                 c.emit(f"(void){value.within(UNARY)};")
             return

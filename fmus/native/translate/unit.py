@@ -6,6 +6,7 @@ import ast
 import dataclasses
 import sys
 import typing
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from types import FunctionType, ModuleType
 from typing import Any
@@ -45,10 +46,14 @@ class Section:
 
 
 class Unit:
-    """The file in the making; modules of other packages than `package` stay out."""
+    """The file in the making; modules of other packages than the first one's stay out.
 
-    def __init__(self, package: str, first: Source) -> None:
-        self._package = package
+    `entries` are the functions that other files may call, by module and name, with their C names.
+    """
+
+    def __init__(self, first: Source, entries: dict[tuple[str, str], str]) -> None:
+        self._package = first.module.__name__.split(".")[0]
+        self._named = entries
         self._names = Names()
         self._first = first
         self._functions: dict[tuple[str, str], Function] = {}
@@ -83,11 +88,12 @@ class Unit:
             c.refuse(node, f"{found.__name__}() calls itself, which is outside the subset")
         return self.translated(source, found).signature
 
-    def translated(self, source: Source, found: FunctionType, entry: str = "") -> Function:
-        """Translate a function once; `entry` is its name where other files may call it."""
+    def translated(self, source: Source, found: FunctionType) -> Function:
+        """Translate a function once."""
         key = (source.module.__name__, found.__name__)
         if key not in self._functions:
             self._open.append(key)
+            entry = self._named.get(key, "")
             name = entry or self._given(source, found.__name__)
             made = functions.translated(self, source, found, name, entry=bool(entry))
             self._open.pop()
@@ -296,11 +302,19 @@ def _meaning(entry: dataclasses.Field[Any]) -> str:
     return f"{quantity.meaning} [{quantity.unit}]" if quantity else ""
 
 
+def translated(
+    module: ModuleType, name: str, entries: Sequence[str], records: dict[str, type[Any]]
+) -> Translation:
+    """Some functions of a module with all that they call, as `NAME_FUNCTION` in two files."""
+    chosen = [getattr(module, entry) for entry in entries]
+    named = {(f.__module__, f.__name__): f"{name}_{f.__name__}" for f in chosen}
+    unit = Unit(source_of(module), named)
+    for found in chosen:
+        unit.translated(source_of(sys.modules[found.__module__]), found)
+    return unit.written(name, records)
+
+
 def part(physics: ModuleType, name: str) -> Translation:
-    """The physics of a part: `initial`, `advance` and `observe`, with all that they call."""
-    source = source_of(physics)
-    unit = Unit(physics.__name__.split(".")[0], source)
-    for entry in ENTRIES:
-        found = getattr(physics, entry)
-        unit.translated(source_of(sys.modules[found.__module__]), found, f"{name}_{entry}")
-    return unit.written(name, {record: getattr(physics, record) for record in RECORDS})
+    """The physics of a part: `initial`, `advance` and `observe`."""
+    records = {record: getattr(physics, record) for record in RECORDS}
+    return translated(physics, name, ENTRIES, records)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import build_fmus
-from fmus.native.code import LIBRARY
+LIBRARY: set[str] = set()
 from orchestrator.fmi.archive import extract
 from orchestrator.fmi.description import read_interface
 from orchestrator.fmi.instance.library import shared_library
