@@ -274,7 +274,6 @@ def build(
     target = into / f"{title}.fmu"
     if not force and _guid_in(target) == guid:
         return _described(title, target, guid, fresh=False)
-    into.mkdir(parents=True, exist_ok=True)
     for path, (origin, make) in part.generated.items():
         try:
             files[path] = make(files[origin].decode()).encode()
@@ -291,6 +290,7 @@ def build(
         problems = _problems(sealed)
         if problems:
             raise BuildError(f"{title}: {problems[0]}")
+        into.mkdir(parents=True, exist_ok=True)
         partial = into / f".{title}.fmu.part"
         shutil.copyfile(sealed, partial)
         partial.replace(target)

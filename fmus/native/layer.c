@@ -56,7 +56,7 @@ static void say(Instance *self, fmi2Status status, const char *words)
 
 static void report(Instance *self, const char *call, const char *cause)
 {
-    char words[LONGEST];
+    char words[2 * LONGEST];
     snprintf(words, sizeof words, "%s: %s at t = %g s: %s", self->name, call, self->core.time,
              cause);
     say(self, fmi2Error, words);

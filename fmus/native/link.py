@@ -103,13 +103,14 @@ def libraries(sources: Sequence[Path], platforms: list[str], identifier: str, in
 
 
 def compiled(sources: Sequence[Path], library: Path, command: Sequence[str]) -> None:
-    """Compile sources into a shared library; plain names, since a linker may keep them inside."""
+    """Compile sources into a shared library, under plain names: a linker may keep them inside."""
     folder = sources[0].parent
-    words = [*command, *FLAGS, *(source.name for source in sources), "-o", str(library), "-lm"]
+    words = [*command, *FLAGS, *(source.name for source in sources), "-o", library.name, "-lm"]
     done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=folder)
     if done.returncode != 0:
         told = [line for line in done.stderr.splitlines() if line.strip()]
         raise NativeError(f"{shlex.join(command)}: compiling failed: {' '.join(told[:3])}")
+    (folder / library.name).replace(library)
 
 
 def _universal(parts: list[tuple[str, bytes]]) -> bytes:

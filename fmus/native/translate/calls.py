@@ -39,7 +39,9 @@ class Signature:
 
 def call(c: Context, node: ast.Call) -> Value:
     """C of a call."""
-    if any(isinstance(a, ast.Starred) for a in node.args) or any(k.arg is None for k in node.keywords):
+    if any(isinstance(a, ast.Starred) for a in node.args) or any(
+        k.arg is None for k in node.keywords
+    ):
         c.refuse(node, "arguments with stars are outside the subset")
     shown = ast.unparse(node.func)
     function = node.func
@@ -59,9 +61,9 @@ def call(c: Context, node: ast.Call) -> Value:
         return _BUILTINS[name](c, node)
     if isinstance(found, FunctionType):
         return _physics(c, node, c.unit.function(c, node, found))
-    if isinstance(found, type) and dataclasses.is_dataclass(found):
-        return _record(c, node, Record(found))
-    c.refuse(node, f"{shown}() is outside the subset")
+    if not isinstance(found, type) or not dataclasses.is_dataclass(found):
+        c.refuse(node, f"{shown}() is outside the subset")
+    return _record(c, node, Record(found))
 
 
 def _mathematics(c: Context, node: ast.Call, name: str) -> Value:
@@ -174,9 +176,7 @@ def _physics(c: Context, node: ast.Call, signature: Signature) -> Value:
         if parameter.default is dataclasses.MISSING:
             c.refuse(node, f"{shown}(): no argument {parameter.name}")
         values[k] = expressions.constant_of(c, node, parameter.default)
-    passed = [
-        _passed(c, values[k], parameter) for k, parameter in enumerate(signature.parameters)
-    ]
+    passed = [_passed(c, values[k], parameter) for k, parameter in enumerate(signature.parameters)]
     if signature.fallible:
         passed.insert(0, "fault")
     causes = c.raising(signature.causes)
@@ -210,9 +210,7 @@ def _record(c: Context, node: ast.Call, kind: Record) -> Value:
     named = [keyword.arg or "" for keyword in node.keywords]
     if node.args or sorted(named) != sorted(fields):
         c.refuse(node, f"{kind.source.__name__}: give all fields by name, and nothing else")
-    parts = c.ordered(
-        [_field(c, fields[k.arg or ""], k.arg or "", k.value) for k in node.keywords]
-    )
+    parts = c.ordered([_field(c, fields[k.arg or ""], k.arg or "", k.value) for k in node.keywords])
     texts = [
         f".{c.unit.field_name(name)} = {part.plain}"
         for name, part in zip(named, parts, strict=True)

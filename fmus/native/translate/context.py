@@ -134,7 +134,7 @@ class Context:
         return values
 
     def assigned(self, node: ast.AST, name: str, kind: Kind) -> Kind:
-        """Note that a variable takes a value of a type, a table as a view; returns its own type."""
+        """Note that a variable takes a value of a type; returns the type that the variable has."""
         before = self.kinds.get(name)
         self.bound.add(name)
         if before is None:
@@ -144,9 +144,9 @@ class Context:
             return kind
         if before == kind:
             return before
-        if before in NUMBERS and kind in NUMBERS:
-            if before == FLOAT:
-                self.kinds[name] = ROUNDED
-                self.unsure = True
-            return ROUNDED
-        self.refuse(node, f"{name} is {before.name} before, and {kind.name} here")
+        if before not in NUMBERS or kind not in NUMBERS:
+            self.refuse(node, f"{name} is {before.name} before, and {kind.name} here")
+        if before == FLOAT:
+            self.kinds[name] = ROUNDED
+            self.unsure = True
+        return ROUNDED

@@ -67,11 +67,11 @@ def constant_of(c: Context, node: ast.expr, given: Any) -> Value:
         if abs(given) >= LARGEST:
             c.refuse(node, f"{given} has more than 62 bits")
         return Value(str(given), WHOLE, constant=given, simple=True)
-    if isinstance(given, float):
-        text = literal(given)
-        rank = UNARY if text.startswith("-") else ATOM
-        return Value(text, FLOAT, rank, constant=given, simple=True)
-    c.refuse(node, f"`{_shown(node)}` is neither a number nor a truth value")
+    if not isinstance(given, float):
+        c.refuse(node, f"`{_shown(node)}` is neither a number nor a truth value")
+    text = literal(given)
+    rank = UNARY if text.startswith("-") else ATOM
+    return Value(text, FLOAT, rank, constant=given, simple=True)
 
 
 def _shown(node: ast.AST) -> str:
@@ -92,10 +92,9 @@ def _name(c: Context, node: ast.Name) -> Value:
         kind = c.kinds[name]
         text = c.loops.get(name) or c.named(name)
         return Value(text, kind, place=c.places.get(name, "variable"), simple=True)
-    scope = vars(c.source.module)
-    if name in scope:
-        return c.unit.global_value(c, node, c.source, name)
-    c.refuse(node, f"{name} is not known")
+    if name not in vars(c.source.module):
+        c.refuse(node, f"{name} is not known")
+    return c.unit.global_value(c, node, c.source, name)
 
 
 def _attribute(c: Context, node: ast.Attribute) -> Value:
@@ -197,9 +196,7 @@ def _combined(c: Context, sign: str, left: Value, right: Value, kind: Kind) -> V
         }
         function, cause = (wholes if kind == WHOLE else pairs)[sign]
         own = c.raising(frozenset({cause}))
-        return Value(
-            f"{function}(fault, {left.text}, {right.text})", kind, ATOM, causes | own
-        )
+        return Value(f"{function}(fault, {left.text}, {right.text})", kind, ATOM, causes | own)
     if sign == "/" and not right.constant:
         own = c.raising(frozenset({"ZERO_DIVISION"}))
         return Value(f"quotient(fault, {left.text}, {right.text})", kind, ATOM, causes | own)
@@ -356,15 +353,11 @@ def _subscript(c: Context, node: ast.Subscript) -> Value:
     return entry(c, owner, number_, place, causes | own)
 
 
-def entry(
-    c: Context, owner: Value, number_: int, place: str, causes: frozenset[str]
-) -> Value:
+def entry(c: Context, owner: Value, number_: int, place: str, causes: frozenset[str]) -> Value:
     """An entry of a tuple that has an address."""
     assert isinstance(owner.kind, Fixed)
     member = f"at[{place}]" if owner.kind.uniform else f"item{number_}"
-    return Value(
-        owner.member(member), owner.kind.entries[number_], ATOM, causes, place="variable"
-    )
+    return Value(owner.member(member), owner.kind.entries[number_], ATOM, causes, place="variable")
 
 
 def _within(

@@ -34,7 +34,9 @@ def read_in(function: ast.FunctionDef) -> frozenset[str]:
     inner = [node for statement in function.body for node in ast.walk(statement)]
     read = {n.id for n in inner if isinstance(n, ast.Name) and not _stores(n)}
     added = {
-        n.target.id for n in inner if isinstance(n, ast.AugAssign) and isinstance(n.target, ast.Name)
+        n.target.id
+        for n in inner
+        if isinstance(n, ast.AugAssign) and isinstance(n.target, ast.Name)
     }
     return frozenset(read | added)
 
@@ -62,9 +64,7 @@ def scopes(function: ast.FunctionDef) -> dict[str, Scope]:
         if not any(stores for _, _, stores in uses):
             continue
         home = _common([block for block, _, _ in uses])
-        firsts = [
-            number if block == home else block[len(home)][0] for block, number, _ in uses
-        ]
+        firsts = [number if block == home else block[len(home)][0] for block, number, _ in uses]
         once = sum(stores for _, _, stores in uses) == 1
         found[name] = Scope(home, min(firsts), once)
     return found

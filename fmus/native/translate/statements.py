@@ -98,9 +98,9 @@ class Statements:
             whole = expressions.value(c, value)
             if not isinstance(whole.kind, Fixed):
                 c.refuse(node, f"{whole.kind.name} cannot be unpacked")
+            count = len(whole.kind.entries)
             if whole.place == "value":
                 whole = c.kept(whole)
-            count = len(whole.kind.entries)
             parts = [expressions.entry(c, whole, k, str(k), NOTHING) for k in range(count)]
         if len(names) != count:
             c.refuse(node, f"{count} values for {len(names)} variables")

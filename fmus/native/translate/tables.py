@@ -58,5 +58,3 @@ def _rows(given: Any, indent: str) -> list[str]:
             line = indent
         line += word
     return [*lines, line.rstrip()]
-
-

@@ -59,7 +59,7 @@ class Unit:
         self._functions: dict[tuple[str, str], Function] = {}
         self._open: list[tuple[str, str]] = []
         self._records: dict[type[Any], str] = {}
-        self._structs: dict[type[Any], list[str]] = {}
+        self._structs: dict[Kind, list[str]] = {}
         self._aliases: dict[Fixed, str] = {}
         self._fixed: dict[Fixed, str] = {}
         self._constants: dict[tuple[str, str], str] = {}
@@ -171,13 +171,13 @@ class Unit:
         for entry in node.body:
             if not isinstance(entry, ast.AnnAssign | ast.Expr | ast.Pass):
                 source.refuse(entry, f"{record.__name__}: fields only")
-        hints = typing.get_type_hints(record)
+        hints: dict[str, Any] = typing.get_type_hints(record)
         members: list[tuple[str, str]] = []
         for f in dataclasses.fields(record):
             kind = hints[f.name]
             if kind is not float and not dataclasses.is_dataclass(kind):
                 source.refuse(_line(node, f.name), f"{record.__name__}.{f.name} is not a float")
-            made = "double" if kind is float else self._record(kind)
+            made = "double" if kind is float else self._record(hints[f.name])
             members.append((f"{made} {self.field_name(f.name)};", _meaning(f)))
         name = self._records[record] = self._given(source, record.__name__)
         width = max((len(text) for text, _ in members), default=0)
@@ -187,7 +187,7 @@ class Unit:
         ]
         body = body or [f"{STEP}char none;"]
         document = comment(ast.get_docstring(node) or "")
-        self._structs[record] = [*document, "typedef struct {", *body, f"}} {name};"]
+        self._structs[Record(record)] = [*document, "typedef struct {", *body, f"}} {name};"]
         return name
 
     def _tuple(self, kind: Fixed) -> str:
@@ -203,9 +203,7 @@ class Unit:
                 name = self._aliases.get(kind, f"Tuple{len(self._fixed) + 1}")
             name = self._names.given(kind, name, ("tuple",))
             self._fixed[kind] = name
-            self._structs[typing.cast(type[Any], kind)] = [
-                "typedef struct {", *body, f"}} {name};"
-            ]  # fmt: skip
+            self._structs[kind] = ["typedef struct {", *body, f"}} {name};"]
         return self._fixed[kind]
 
     def _table(self, home: Source, name: str, given: Any, shape: tuple[int, ...]) -> str:
@@ -234,12 +232,12 @@ class Unit:
 
         `records` are those whose C names are asked for, by the names to ask with.
         """
-        public = {*records.values()}
+        names = {asked: self._record(record) for asked, record in records.items()}
+        public = set().union(*(self._inside(Record(record)) for record in records.values()))
         for entry in self._entries:
-            kinds = [entry.signature.returns, *(p.kind for p in entry.signature.parameters)]
-            public |= {kind.source for kind in kinds if isinstance(kind, Record)}
-        for record in list(public):
-            public |= self._inside(record)
+            signature = entry.signature
+            for kind in (signature.returns, *(p.kind for p in signature.parameters)):
+                public |= self._inside(kind)
         guard = f"{name.upper()}_H"
         told = comment(f"Made from {self._first.name}'s physics by the build; nothing to edit.")
         head = [*told, f"#ifndef {guard}", f"#define {guard}", "", '#include "semantics.h"']
@@ -249,13 +247,12 @@ class Unit:
         for entry in self._entries:
             head += ["", *entry.comment, *wrapped(f"INTERNAL {entry.head};", "")]
         body = [*comment(self._first.document), *body, *self._code()]
-        names = {asked: self._records[record] for asked, record in records.items()}
         head += ["", "#endif", ""]
         return Translation(name, "\n".join(head), "\n".join([*body, ""]), names)
 
     def _code(self) -> list[str]:
         """Constants, declarations and functions, module by module, in the order of the source."""
-        first = self._sections.pop(self._first)
+        first = self._sections.pop(self._first, Section())
         sections = {self._first: first, **self._sections}
         lines = []
         for source, section in sections.items():
@@ -273,11 +270,16 @@ class Unit:
                 lines += ["", *made.comment, *made.text]
         return lines
 
-    def _inside(self, record: type[Any]) -> set[type[Any]]:
-        """Records within a record."""
-        hints = typing.get_type_hints(record)
-        inner = {hints[f.name] for f in dataclasses.fields(record)} - {float}
-        return inner.union(*(self._inside(each) for each in inner))
+    def _inside(self, kind: Kind) -> set[Kind]:
+        """A struct and the structs within it."""
+        inner: list[Kind] = []
+        if isinstance(kind, Record):
+            inner = [*self.fields(kind).values()]
+        elif isinstance(kind, Fixed):
+            inner = [*kind.entries]
+        else:
+            return set()
+        return {kind}.union(*(self._inside(each) for each in inner))
 
 
 def _place(source: Source) -> str:

@@ -372,7 +372,12 @@ def handed(a: float, b: float) -> float:
     pose = Pose(x=a, first=b, default=1.0)
     pose = moved(pose, b)
     pose = moved(pose, a)
-    return sized(pose) + sized(moved(pose, 1.0)) + sized(Pose(first=a, default=b, x=2.0)) + same(pose).x
+    return (
+        sized(pose)
+        + sized(moved(pose, 1.0))
+        + sized(Pose(first=a, default=b, x=2.0))
+        + same(pose).x
+    )
 
 
 def nested(a: float, b: float) -> float:
@@ -427,9 +432,9 @@ def fabs(x: float) -> float:
 
 
 def unused(a: float, b: float) -> float:
-    spare = 1.0 / b
+    spare = 1.0 / b  # noqa: F841
     _ = math.sqrt(a)
-    nothing = 3.0
+    nothing = 3.0  # noqa: F841
     return a
 
 

@@ -16,8 +16,9 @@ from tests.fmus.native.translate import sample
 from tests.fmus.native.translate.harness import Translated, written
 
 FLOATS = [
-    0.0, -0.0, 1.0, -1.0, 0.5, 0.7, -0.5, 1.5, -2.5, 3.0, 4.0, 1e-300, -1e-300, 1e300, -1e300, 5e-324,
-    700.5, 710.0, -710.0, -745.5, 2.0**52 + 1.0, math.pi, 1e22, math.inf, -math.inf, math.nan,
+    0.0, -0.0, 1.0, -1.0, 0.5, 0.7, -0.5, 1.5, -2.5, 3.0, 4.0, 1e-300, -1e-300, 1e300, -1e300,
+    5e-324, 700.5, 710.0, -710.0, -745.5, 2.0**52 + 1.0, math.pi, 1e22, math.inf, -math.inf,
+    math.nan,
 ]  # fmt: skip
 WHOLES = [-100, -4, -3, -2, -1, 0, 1, 2, 3, 4, 9, 2**40]
 FLAGS = [False, True]
@@ -26,7 +27,17 @@ TAME = {x for x in FLOATS if x == 0.0 or 1e-18 < math.fabs(x) < 1e18}
 TO_INT = {"whole", "converted", "index_order", "words"}
 """Functions with int(), which saturates in C where Python goes on."""
 
-HELPERS = {"two", "several", "taken", "passed_row", "passed_rows", "moved", "sized", "same", "inner"}
+HELPERS = {
+    "two",
+    "several",
+    "taken",
+    "passed_row",
+    "passed_rows",
+    "moved",
+    "sized",
+    "same",
+    "inner",
+}
 """Functions that others call, with arguments or results that are no numbers."""
 
 NAMES = [

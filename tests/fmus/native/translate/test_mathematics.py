@@ -7,7 +7,6 @@ import itertools
 import math
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest

@@ -155,7 +155,7 @@ FUNCTIONS = {
     "def f(x: Unknown, y: float) -> float:\n    return y": "name 'Unknown' is not defined",
     "def f(x: float, *y: float) -> float:\n    return x": "plain parameters only",
     "def f(x: float, *, y: float) -> float:\n    return x": "plain parameters only",
-    "def f(x: float, y: float) -> float:\n    if x > y:\n        return x": "may end without a return",
+    "def f(x: float, y: float) -> float:\n    if x > y:\n        return x": "without a return",
     "@dataclass\nclass Loose:\n    x: float\n"
     "def f(x: float, y: float) -> float:\n    return Loose(x=x).x": "not a frozen dataclass",
     "@dataclass(frozen=True)\nclass Odd:\n    x: int\n"
