@@ -8,7 +8,7 @@
 Each FMU carries its own copy of the sources it needs as a package named after the FMU and
 the digest of those sources, so that two builds of one part can live in one process. The
 same digest is the GUID: the same sources give the same GUID, on any machine. A native FMU
-carries the same physics as object code instead (docs/native.md).
+carries the same physics as C and as a shared library instead (docs/native.md).
 """
 
 from __future__ import annotations
@@ -231,12 +231,6 @@ def native_exporter(part: Any, platforms: list[str]) -> list[str]:
             f"{part.name} needs {', '.join(part.needs)} when it runs: it cannot be built without"
             " Python; leave out --native"
         )
-    missing = [n for n in ("numba", "llvmlite") if importlib.util.find_spec(n) is None]
-    if missing:
-        raise BuildError(
-            f"--native needs {' and '.join(missing)} to build: pip install 'resilin[native]', or"
-            ' pip install -e ".[native]" in a checkout'
-        )
     from fmus.native.errors import NativeError
     from fmus.native.link import checked
     from fmus.native.package import marks
@@ -286,7 +280,6 @@ def build(
     target = into / f"{title}.fmu"
     if not force and _guid_in(target) == guid:
         return _described(title, target, guid, fresh=False)
-    into.mkdir(parents=True, exist_ok=True)
     for path, (origin, make) in part.generated.items():
         try:
             files[path] = make(files[origin].decode()).encode()
@@ -303,6 +296,7 @@ def build(
         problems = _problems(sealed)
         if problems:
             raise BuildError(f"{title}: {problems[0]}")
+        into.mkdir(parents=True, exist_ok=True)
         partial = into / f".{title}.fmu.part"
         shutil.copyfile(sealed, partial)
         partial.replace(target)

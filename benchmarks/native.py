@@ -135,7 +135,7 @@ def scenarios(names: tuple[str, ...]) -> None:
 
 
 def reference() -> None:
-    """Needs the source tree and the packages of the extra `native`, unlike the rest."""
+    """Needs the source tree and a C compiler, unlike the rest."""
     from fmus.amplifier.physics import Input
     from fmus.monolith import equations, physics
     from fmus.native.reference import right_hand_side

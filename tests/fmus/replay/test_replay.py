@@ -216,7 +216,7 @@ def test_what_is_too_long_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_large_table_is_in_the_library_itself(tmp_path: Path) -> None:
-    """Above a megabyte numba would leave an address of the process that compiled it."""
+    """40 000 rows: they are compiled in, and another process plays them."""
     path = tmp_path / "large.csv"
     t = np.arange(40_000) * 1e-3
     np.savetxt(path, np.column_stack([t, np.sin(t)]), delimiter=",", header="time,y", comments="")
