@@ -1,6 +1,6 @@
 """Hooks of mkdocs: pages that stand elsewhere in the repository, and links between them.
 
-README, CONTRIBUTING, CHANGELOG and the READMEs of the parts are pages of the site under other
+README, CONTRIBUTING, CHANGELOG and the READMEs of folders are pages of the site under other
 names. A link is written as it has to be in the repository; here it becomes the one that holds in
 the site. A link to a file that is not a page of the site becomes plain text.
 """
@@ -27,6 +27,7 @@ def elsewhere() -> dict[str, str]:
         "README.md": "index.md",
         "CONTRIBUTING.md": "contributing.md",
         "CHANGELOG.md": "changelog.md",
+        "examples/README.md": "examples.md",
         "fmus/README.md": "parts/index.md",
     }
     for path in sorted(ROOT.glob("fmus/*/README.md")):

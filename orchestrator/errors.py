@@ -2,19 +2,21 @@
 
 ResilinError                     exit code
 +-- InputError                   2   the user's files and options
-|   +-- ScenarioError                   a scenario: file, key, remedy; may list several
-|   +-- FmuError                     an FMU file: archive, description, platform
-|   +-- RecordingError               a recording: file, line, column
-|   +-- OutputError                  a result that cannot be written
+|   +-- ScenarioError            a scenario: file, key, remedy; may list several
+|   +-- FmuError                 an FMU file: archive, description, platform
+|   +-- RecordingError           a recording: file, line, column
+|   +-- OutputError              a result that cannot be written
 +-- SimulationError              1   a run that could not go on
-    +-- InstanceFailure                  a unit returned anything but OK
-    +-- Divergence                   NaN, infinity, bounds left, runaway growth
-    +-- InitialisationError          no consistent start
+    +-- InstanceFailure          an instance returned anything but OK
+    +-- Divergence               NaN, infinity, bounds left, runaway growth
+    +-- InitialisationError      2   no consistent start
+    +-- ObserverError            an observer of the user's that raised
 """
 
 from __future__ import annotations
 
 import difflib
+import warnings
 from collections.abc import Iterable
 
 
@@ -25,30 +27,63 @@ class ResilinError(Exception):
 
 
 class InputError(ResilinError):
-    """Something the user gave is wrong."""
+    """What the user gave is wrong: one problem, or several at once, each with its place."""
 
     exit_code = 2
 
-
-class ScenarioError(InputError):
-    """One or more problems of a scenario, each with its place."""
-
     def __init__(self, problems: Iterable[str] | str) -> None:
-        listed = [problems] if isinstance(problems, str) else list(problems)
-        self.problems = [problem.replace("\n", "\\x0a") for problem in listed]
+        self.problems = problems.split("\n") if isinstance(problems, str) else list(problems)
         super().__init__("\n".join(self.problems))
 
 
+class ScenarioError(InputError):
+    """One or more problems of a scenario, each with its place; line ends in them are escaped."""
+
+    def __init__(self, problems: Iterable[str] | str) -> None:
+        listed = [problems] if isinstance(problems, str) else problems
+        super().__init__([problem.replace("\n", "\\x0a") for problem in listed])
+
+
 class FmuError(InputError):
-    """A file that is no usable FMU."""
+    """A file that cannot be used as an FMU."""
 
 
 class RecordingError(InputError):
-    """A file that is no usable recording."""
+    """A file that cannot be used as a recording."""
 
 
 class OutputError(InputError):
     """A result that cannot be written where it should be."""
+
+
+class Problems:
+    """Collects the problems of one file of the user, so that all of them are raised at once."""
+
+    def __init__(self, file: object, kind: type[InputError] = ScenarioError) -> None:
+        self._file = file
+        self._kind = kind
+        self._found: list[tuple[str, str]] = []
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def add(self, key: str, message: object) -> None:
+        """Add what is wrong at a key, such as `time.step`, and the way out."""
+        self._found.append((key, str(message)))
+
+    def at(self, *tables: str) -> bool:
+        """Whether any problem concerns one of these keys, or something inside them."""
+        return any(
+            key == table or key.startswith((f"{table}.", f"{table}[", f"{table} "))
+            for key, _ in self._found
+            for table in tables
+        )
+
+    def check(self) -> None:
+        """Raise every problem, each once, as `file: key: message`; without problems, return."""
+        if self._found:
+            lines = (f"{self._file}: {key}: {message}" for key, message in self._found)
+            raise self._kind(dict.fromkeys(lines))
 
 
 class SimulationError(ResilinError):
@@ -56,33 +91,50 @@ class SimulationError(ResilinError):
 
 
 class InstanceFailure(SimulationError):
-    """A unit returned a status other than OK, or refused to start."""
+    """An instance returned a status other than OK, or refused to start."""
 
 
 class Divergence(SimulationError):
-    """A value that is no longer meaningful."""
+    """A value that is not finite, leaves its bounds or grows without end."""
 
 
 class InitialisationError(SimulationError):
-    """The units refuse their start values, or these do not settle."""
+    """The instances refuse their start values, or no consistent ones are found."""
 
     exit_code = 2
 
 
+class ObserverError(SimulationError):
+    """An observer given to `run` raised; the cause is its own exception."""
+
+
+class RenamedWarning(FutureWarning):
+    """An old name was used; it is accepted for one more release."""
+
+
+def renamed(old: str, new: str) -> None:
+    """Warn that an old name was used, with the new one."""
+    warnings.warn(
+        f"{old} is now called {new}; the next release drops the old name",
+        RenamedWarning,
+        stacklevel=3,
+    )
+
+
 def nearest(word: str, words: Iterable[str], *, show: int = 8) -> str:
-    """`did you mean 'x'?`, or what there is, cut to `show` names."""
+    """`did you mean 'x'?`, or a list of the words, cut to `show` of them."""
     choices = sorted(words)
     close = difflib.get_close_matches(word, choices, n=1, cutoff=0.6)
     if close:
         return f"did you mean {close[0]!r}?"
     if not choices:
         return "there is none"
-    listed = ", ".join(choices[:show])
-    return f"there is {listed}" + (", ..." if len(choices) > show else "")
+    listed = ", ".join(choices[:show]) + (", ..." if len(choices) > show else "")
+    return f"there {'is' if len(choices) == 1 else 'are'} {listed}"
 
 
 def printable(text: str, *, most: int = 200) -> str:
-    """Text from a stranger, safe for a terminal: controls and bidi marks escaped, cut."""
+    """Foreign text, safe for a terminal: controls and bidi marks escaped, cut to `most`."""
     cut = text if len(text) <= most else text[:most] + "..."
     if cut.isascii() and cut.isprintable():
         return cut

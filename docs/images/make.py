@@ -255,8 +255,9 @@ def steps() -> None:
     ):
         errors = [error(laws, count, exact) for count in LADDER]
         axes.loglog(LADDER, errors, "o-", color=colour)
+        behind = {"fc": "white", "ec": "none", "pad": 1}
         axes.annotate(words, (LADDER[-1], errors[-1]), (8, 0), textcoords="offset points",
-                      color=colour, va="center", bbox={"fc": "white", "ec": "none", "pad": 1})  # fmt: skip
+                      color=colour, va="center", bbox=behind)  # fmt: skip
     axes.axhline(1e-3, color=INK, lw=0.8, ls=":")
     axes.set_xticks(LADDER, [str(count) for count in LADDER])
     axes.minorticks_off()

@@ -1,4 +1,4 @@
-"""`resilin calibrate`: the fits behind the scenarios, redone or looked at."""
+"""`resilin calibrate`: the fits behind the scenarios, repeated or evaluated."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def calibrate(
         Path | None, typer.Option(help="TOML file of fits; the shipped one if not given.")
     ] = None,
     refit: Annotated[
-        bool, typer.Option(help="Fit again; else the shipped values are looked at.")
+        bool, typer.Option(help="Fit again; else the shipped values are evaluated.")
     ] = True,
     fmus: common.Library = common.BUILT,
     native: common.Native = False,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Fit parameters to the paper's data again; show errors, sensitivities and certainty.
+    """Fit parameters to the paper's data again; show errors, sensitivities and spreads.
 
     Example: resilin calibrate vehicle --no-refit --native
     """

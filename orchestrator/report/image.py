@@ -1,16 +1,29 @@
-"""A figure of a page as a file by itself: PNG, SVG, whatever matplotlib writes."""
+"""A figure of a page as a file of its own: PNG, SVG or another format of matplotlib."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import OutputError, printable
+from ..errors import printable
+from .files import written_whole
 from .plot import Axis, Figure, Plot
 
 STYLES = {"line": "-", "dashed": "--", "points": "None", "line-points": "-", "stated": "None"}
 MARKERS = "osd^v<>P"
+
+
+def save_figure(
+    figure: Any, path: Path, resolution: int, metadata: Mapping[str, Any] | None = None
+) -> Path:
+    """Save a matplotlib figure in the format that its path names, `resolution` in dots per inch.
+
+    Raises `OutputError` where the path cannot be written or does not name a format.
+    """
+    with written_whole(path, failures=(ValueError,)) as waiting:
+        figure.savefig(waiting, format=path.suffix[1:].lower(), dpi=resolution, metadata=metadata)
+    return path
 
 
 def draw(figure: Figure, paths: Sequence[Path]) -> list[Path]:
@@ -29,15 +42,8 @@ def draw(figure: Figure, paths: Sequence[Path]) -> list[Path]:
     sheet.tight_layout()
     try:
         for path in paths:
-            waiting = path.with_name(f".{path.stem}.part{path.suffix}")
-            try:
-                with matplotlib.rc_context({"svg.hashsalt": figure.key}):
-                    sheet.savefig(waiting, dpi=130, metadata=_undated(path))
-                waiting.replace(path)
-            finally:
-                waiting.unlink(missing_ok=True)
-    except (OSError, ValueError) as error:
-        raise OutputError(f"{paths[0].parent}: cannot be drawn into ({error})") from None
+            with matplotlib.rc_context({"svg.hashsalt": figure.key}):
+                save_figure(sheet, path, 130, metadata=_undated(path))
     finally:
         pyplot.close(sheet)
     return list(paths)
@@ -70,7 +76,7 @@ def _scaled(label: Any, scale: Any, limits: Any, axis: Axis) -> None:
 
 
 def _plain(text: str) -> str:
-    """A stranger's text, which matplotlib would read as formulas between dollars."""
+    """Foreign text, escaped, also the dollars between which matplotlib reads formulas."""
     return printable(text).replace("$", r"\$")
 
 

@@ -1,19 +1,18 @@
-"""Order in which a sequential master steps the units."""
+"""Execution order: the order in which a sequential master steps the components."""
 
 from __future__ import annotations
 
-from ..errors import nearest
+from ..errors import Problems, nearest
 from .connections import Connection
 from .schema import Scenario
 
 
-def order_of(scenario: Scenario, connections: list[Connection], problems: list[str]) -> list[str]:
-    """Order as the scenario gives it, else from its wires.
+def order_of(scenario: Scenario, connections: list[Connection], problems: Problems) -> list[str]:
+    """Execution order as the scenario gives it, else from its wires.
 
-    A unit comes after those that feed it, in the scenario's order otherwise. Units of a loop keep
-    the
-    scenario's order among themselves: which end of a loop is best extrapolated is for the scenario
-    to say.
+    A component comes after those that feed it, otherwise in the scenario's order. Components of a
+    loop keep the scenario's order among themselves: the scenario decides which end of a loop is
+    extrapolated.
     """
     listed = list(scenario.components)
     given = scenario.master.order
@@ -21,17 +20,17 @@ def order_of(scenario: Scenario, connections: list[Connection], problems: list[s
         return _derived(listed, connections)
     for name in given:
         if name not in listed:
-            problems.append(f"master.order: no component {name!r}; {nearest(name, listed)}")
+            problems.add("master.order", f"no component {name!r}; {nearest(name, listed)}")
     unknown = set(given) - set(listed)
     if len(set(given)) != len(given):
-        problems.append("master.order: a component stands twice")
+        problems.add("master.order", "a component appears twice")
     elif not unknown and (missing := [name for name in listed if name not in given]):
-        problems.append(f"master.order: {', '.join(missing)} is missing")
+        problems.add("master.order", f"{', '.join(missing)} is missing")
     return list(given)
 
 
 def _derived(listed: list[str], connections: list[Connection]) -> list[str]:
-    """Listed units, sources first; loops as one."""
+    """Listed components, sources first; those of a loop count as one."""
     reach = reachable(listed, [(c.source, c.target) for c in connections])
     before = {
         name: {other for other in listed if name in reach[other] and other not in reach[name]}

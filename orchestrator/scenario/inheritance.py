@@ -9,6 +9,7 @@ from typing import Any
 
 from ..errors import ScenarioError, nearest, printable
 from .files import read_tree, scenario_path
+from .metric_expression import expression_of
 
 DEEPEST_EXTENDS = 10
 LISTS = ("wires", "variables", "actions", "faults")
@@ -38,12 +39,12 @@ def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]
     base = _merged(base_path, seen)
     _anchor(base, base_path, path)
     _drop(base, dropped, path)
-    _release(base, tree.get("wires", []))
+    _drop_wired_holds(base, tree.get("wires", []))
     return _overlaid(base, tree) | {"without": [*base.get("without", []), *dropped]}
 
 
 def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
-    """Files of an extended scenario stay beside it, wherever the scenario that extends it is."""
+    """Make files of an extended scenario absolute, so that they are found from any other folder."""
     folder = base_path.resolve().parent
     if folder == path.resolve().parent:
         return
@@ -65,13 +66,14 @@ SHAPES: dict[str, tuple[type, str]] = {
     "hold": (dict, "a table"),
     "record": (dict, "a table"),
     "metrics": (dict, "a table"),
+    "plot": (dict, "a table"),
     "actions": (list, "a list of tables, written [[actions]]"),
     "faults": (list, "a list of tables, written [[faults]]"),
 }
 
 
 def _misshapen(tree: dict[str, Any]) -> Iterator[str]:
-    """What would keep a tree from being merged with another: tables that are none."""
+    """What keeps a tree from being merged with another: values that are not tables or lists."""
     for key, (kind, words) in SHAPES.items():
         if key in tree and not isinstance(tree[key], kind):
             yield f"{key}: expected {words}"
@@ -111,7 +113,7 @@ def _misshapen_wires(wires: list[Any]) -> Iterator[str]:
 
 
 def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
-    """Remove components and whatever touches them."""
+    """Remove components and everything that names them."""
     components = tree.get("components", {})
     for name in names:
         if name not in components:
@@ -134,10 +136,23 @@ def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
         record = tree.get("record", {})
         if "variables" in record:
             record["variables"] = [v for v in record["variables"] if not v.startswith(prefix)]
+        tree["metrics"] = {
+            key: text
+            for key, text in tree.get("metrics", {}).items()
+            if not _mentions(text, prefix)
+        }
 
 
-def _release(base: dict[str, Any], wires: Any) -> None:
-    """Let go of inherited holds that a new wire feeds, by variable or by port."""
+def _mentions(text: Any, prefix: str) -> bool:
+    """Whether a metric needs a variable of a component; what cannot be read is kept."""
+    try:
+        return any(name.startswith(prefix) for name in expression_of(text).variables)
+    except (ValueError, TypeError, AttributeError):
+        return False
+
+
+def _drop_wired_holds(base: dict[str, Any], wires: Any) -> None:
+    """Drop inherited holds of inputs that a new wire feeds, by variable or by port."""
     targets = [w["to"] for w in wires if isinstance(w, dict) and isinstance(w.get("to"), str)]
     base["hold"] = {
         key: value

@@ -1,19 +1,18 @@
-"""A scenario held against what its FMUs say of themselves: names, units, causality, time.
+"""A scenario checked against the descriptions of its FMUs: names, units, causality, time.
 
-Nothing is loaded here. The result is a :class:`Plan`, or a :class:`ScenarioError` that lists all
-that does not fit.
+Nothing is loaded here. The result is a :class:`Plan`, or a :class:`ScenarioError` that lists
+everything that does not fit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import FmuError, RecordingError, ScenarioError, nearest, printable
+from ..errors import FmuError, Problems, RecordingError, nearest, printable
 from ..fmi.description import Interface, Variable, read_interface
 from ..fmi.instance.base import Limits
 from ..units import UnitError, si_value
@@ -22,9 +21,10 @@ from .connections import Connection, check_all_fed, connections_of, held_of
 from .execution_order import order_of
 from .faults import Fault, faults_of
 from .files import is_file
+from .metric_definitions import check_metrics
 from .schema import AUTO, Scenario
 from .start_values import starts_of
-from .substitution import without_replaced
+from .substitution import substituted
 from .time_grid import Grid, frequency_of, grid_of, seconds
 
 if TYPE_CHECKING:
@@ -32,16 +32,16 @@ if TYPE_CHECKING:
 
 LIBRARY = Path("build") / "fmus"
 NATIVE = Path("build") / "native"
-"""The same parts without Python in them."""
+"""Folder of the same parts without Python in them."""
 
 
 @dataclass(frozen=True)
 class Plan:
     """A checked scenario: what to load, how it is wired, when it communicates, what is kept.
 
-    `limits` holds for isolated units; `keep_from` is the time [s] from which rows are kept;
-    `advice` says why the step is what it is, where the scenario left it open. `recordings` stand in
-    the place of parts, `dropped` tells what the scenario does without for that.
+    `limits` holds for isolated instances; `keep_from` is the time [s] from which rows are kept;
+    `step_reason` is the reason for the step where the scenario left it open. `recordings` take the
+    place of parts, `dropped` lists what the scenario loses by that.
     """
 
     scenario: Scenario
@@ -58,40 +58,47 @@ class Plan:
     faults: list[Fault] = field(default_factory=list)
     limits: dict[str, Limits] = field(default_factory=dict)
     keep_from: float = -inf
-    advice: str = ""
+    step_reason: str = ""
     recordings: dict[str, Recording] = field(default_factory=dict)
     dropped: list[str] = field(default_factory=list)
 
     @property
     def leading(self) -> list[str]:
-        """Recorded variables whose errors count: the motion, else what is wired, else all."""
+        """Recorded variables whose errors count: `record.leading`, else what is wired, else all."""
         names = [f"{name}.{variable.name}" for name, variable in self.records]
-        moving = [n for n in names if n.rpartition(".")[2] in {"displacement", "flap_angle"}]
+        patterns = self.scenario.record.leading
+        chosen = [n for n in names if any(_matches(n, pattern) for pattern in patterns)]
         wired = {f"{c.source}.{c.output.name}" for c in self.connections if not c.output.order}
-        return moving or [name for name in names if name in wired] or names
+        return chosen or [name for name in names if name in wired] or names
 
     @property
     def fixed_step(self) -> list[str]:
-        """Units that take steps of one size only."""
+        """Components that take steps of one size only."""
         return [name for name, known in self.interfaces.items() if not known.variable_step]
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what `resilin inspect` does."""
+        from ..report.notebook import rendered
+        from .inspection import card
+
+        return rendered(card(self))
 
 
 def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
-    """Resolve a scenario against its FMUs; `ScenarioError` with every problem."""
-    problems: list[str] = []
+    """Check a scenario against its FMUs; `ScenarioError` with every problem."""
+    problems = Problems(path)
     if not scenario.components:
-        raise ScenarioError(f"{path}: components: a scenario needs at least one")
+        problems.add("components", "a scenario needs at least one")
     recordings = _recordings(scenario, path, problems)
     interfaces = _interfaces(scenario, path, library, recordings, problems)
-    if problems:
-        raise ScenarioError(f"{path}: {problem}" for problem in problems)
+    problems.check()
     whole = scenario
-    scenario, dropped = without_replaced(scenario, interfaces, _replays(interfaces), problems)
+    scenario, dropped = substituted(scenario, interfaces, _replays(interfaces), problems)
     starts = starts_of(scenario, interfaces, problems)
     fed: dict[str, str] = {}
     connections = connections_of(scenario, interfaces, fed, problems)
     held = held_of(scenario, interfaces, fed, problems)
-    if not any(problem.startswith(("hold", "wires")) for problem in problems):
+    if not problems.at("hold", "wires"):
         check_all_fed(interfaces, fed, problems)
     order = order_of(scenario, connections, problems)
     records = _records(scenario, interfaces, problems)
@@ -100,29 +107,42 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     actions = actions_of(scenario, interfaces, held, frequency, problems)
     faults = faults_of(scenario, interfaces, frequency, problems)
     limits = _limits(scenario, problems)
+    check_metrics(scenario, interfaces, problems)
     if scenario.master.kind == AUTO:
         chosen = scenario.master.model_copy(update={"kind": usual(connections)})
         whole = whole.model_copy(update={"master": chosen})
     keep_from = _keep_from(scenario, grid, frequency, problems)
-    if problems or grid is None:
-        raise ScenarioError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
+    problems.check()
+    assert grid is not None, "a grid is missing only beside a problem"
     plan = Plan(
-        *(whole, path, interfaces, starts, connections, held, order, records),
-        *(grid, frequency, actions, faults, limits, keep_from),
+        scenario=whole,
+        path=path,
+        interfaces=interfaces,
+        starts=starts,
+        connections=connections,
+        held=held,
+        order=order,
+        records=records,
+        grid=grid,
+        frequency=frequency,
+        actions=actions,
+        faults=faults,
+        limits=limits,
+        keep_from=keep_from,
         recordings=recordings,
         dropped=dropped,
     )
-    if problems := list(_uneven(plan)):
-        raise ScenarioError(f"{path}: {problem}" for problem in problems)
+    _check_even(plan, problems)
+    problems.check()
     return plan
 
 
 def usual(connections: list[Connection]) -> str:
     """The master for a scenario that names none.
 
-    Where two units feed each other nothing but bare numbers, holding them is of first order and
-    feeds the motion: extrapolated. With laws, or without feedback, Gauss-Seidel is of second
-    order at least cost. See docs/reference/coupling.md.
+    Where two components feed each other only bare numbers, holding these is of first order and
+    feeds energy into the motion: extrapolated. With laws, or without feedback, Gauss-Seidel is of
+    second order at least cost. See docs/reference/coupling.md.
     """
     pairs = {(c.source, c.target) for c in connections}
     lawful = {frozenset((c.source, c.target)) for c in connections if c.input.order}
@@ -130,8 +150,8 @@ def usual(connections: list[Connection]) -> str:
     return "extrapolated" if mutual - lawful else "gauss-seidel"
 
 
-def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:
-    """What each isolated unit may take, where the scenario says so."""
+def _limits(scenario: Scenario, problems: Problems) -> dict[str, Limits]:
+    """Time of a call and memory that each isolated instance may take."""
     limits = {}
     for name, component in scenario.components.items():
         values = {}
@@ -144,10 +164,10 @@ def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:
             try:
                 values[key] = si_value(given, unit)
             except UnitError as error:
-                problems.append(f"components.{name}.{key}: {error}")
+                problems.add(f"components.{name}.{key}", error)
                 continue
             if values[key] <= 0.0:
-                problems.append(f"components.{name}.{key}: must be above zero")
+                problems.add(f"components.{name}.{key}", "must be above zero")
         usual = Limits()
         limits[name] = Limits(
             values.get("patience", usual.patience), int(values.get("memory", usual.memory))
@@ -156,30 +176,33 @@ def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:
 
 
 def _keep_from(
-    scenario: Scenario, grid: Grid | None, frequency: float | None, problems: list[str]
+    scenario: Scenario, grid: Grid | None, frequency: float | None, problems: Problems
 ) -> float:
     """Time from which rows are kept: all of the run, or a last stretch of it."""
     if scenario.record.last is None or grid is None:
         return -inf
     last = seconds("record.last", scenario.record.last, frequency, problems)
     if last <= 0.0:
-        problems.append("record.last: must be above zero")
+        problems.add("record.last", "must be above zero")
     return grid.stop - last - 1e-9 * grid.step
 
 
-def _uneven(plan: Plan) -> Iterator[str]:
-    """What a scenario asks of units that take steps of one size only."""
+def _check_even(plan: Plan, problems: Problems) -> None:
+    """Note where a scenario asks other steps of components that take steps of one size only."""
     fixed = ", ".join(plan.fixed_step)
     grid = plan.grid
     if not fixed:
         return
     if abs(grid.start + grid.count * grid.step - grid.stop) > 1e-9 * grid.step:
-        yield (
-            f"time.stop: {fixed} takes steps of one size only, and {grid.stop - grid.start:g} s is"
-            f" no multiple of {grid.step:g} s"
+        problems.add(
+            "time.stop",
+            f"{fixed} takes steps of one size only, and {grid.stop - grid.start:g} s is not a"
+            f" multiple of {grid.step:g} s",
         )
     if plan.scenario.time.tolerance is not None:
-        yield f"time.tolerance: needs steps of any size, which {fixed} cannot take; give a step"
+        problems.add(
+            "time.tolerance", f"needs steps of any size, which {fixed} cannot take; give a step"
+        )
 
 
 def fmu_path(name: str, scenario: Path, library: Path) -> Path:
@@ -191,15 +214,15 @@ def fmu_path(name: str, scenario: Path, library: Path) -> Path:
 
 
 def interface_of(name: str, scenario: Path, library: Path) -> Interface:
-    """Interface of a part by name or of an FMU by its path; `FmuError` where there is none."""
+    """Interface of a part by its name or of an FMU by its path; `FmuError` where there is none."""
     file = fmu_path(name, scenario, library)
     if file.parent == library and not is_file(file):
         raise FmuError(_missing_part(name, library))
     return read_interface(file)
 
 
-def _recordings(scenario: Scenario, path: Path, problems: list[str]) -> dict[str, Recording]:
-    """Recordings of a scenario, read and checked; nothing is imported where there is none."""
+def _recordings(scenario: Scenario, path: Path, problems: Problems) -> dict[str, Recording]:
+    """Recordings of a scenario, read and checked; their readers are imported only if needed."""
     found: dict[str, Recording] = {}
     for name, component in scenario.components.items():
         if component.data is None:
@@ -209,19 +232,20 @@ def _recordings(scenario: Scenario, path: Path, problems: list[str]) -> dict[str
         try:
             found[name] = open_recording(component, path)
         except RecordingError as error:
-            problems += [f"components.{name}.data: {line}" for line in str(error).split("\n")]
+            for line in error.problems:
+                problems.add(f"components.{name}.data", line)
     return found
 
 
 def _replays(interfaces: dict[str, Interface]) -> list[str]:
-    """Components that only tell: recordings, and FMUs that `build --recording` has made of them."""
+    """Components without inputs: recordings, and FMUs that `build --recording` has made of them."""
     return [n for n, i in interfaces.items() if i.ours and not i.of("input")]
 
 
 def _recorded(recordings: dict[str, Recording]) -> float | None:
-    """Cycle that the recordings tell, where they agree."""
-    told = {r.frequency for r in recordings.values() if r.frequency}
-    return told.pop() if len(told) == 1 else None
+    """Frequency of the recordings' cycle [Hz], where they agree on one."""
+    frequencies = {r.frequency for r in recordings.values() if r.frequency}
+    return frequencies.pop() if len(frequencies) == 1 else None
 
 
 def _interfaces(
@@ -229,14 +253,14 @@ def _interfaces(
     path: Path,
     library: Path,
     recordings: dict[str, Recording],
-    problems: list[str],
+    problems: Problems,
 ) -> dict[str, Interface]:
     """Interface of each component, each file read once."""
     known: dict[Path, Interface] = {}
     interfaces: dict[str, Interface] = {}
     for name, component in scenario.components.items():
         if not name.isidentifier():
-            problems.append(f"components.{printable(name)}: not a name of letters, digits and _")
+            problems.add(f"components.{printable(name)}", "not a name of letters, digits and _")
             continue
         if component.fmu is None:
             if name in recordings:
@@ -247,7 +271,7 @@ def _interfaces(
             try:
                 known[file] = interface_of(component.fmu, path, library)
             except FmuError as error:
-                problems.append(f"components.{name}.fmu: {error}")
+                problems.add(f"components.{name}.fmu", error)
                 continue
         interfaces[name] = known[file]
     return interfaces
@@ -262,7 +286,7 @@ def _missing_part(name: str, library: Path) -> str:
 
 
 def _records(
-    scenario: Scenario, interfaces: dict[str, Interface], problems: list[str]
+    scenario: Scenario, interfaces: dict[str, Interface], problems: Problems
 ) -> list[tuple[str, Variable]]:
     """Outputs that match a pattern of the record list, in the scenario's order."""
     patterns = scenario.record.variables
@@ -276,7 +300,7 @@ def _records(
     for index, pattern in enumerate(patterns):
         if not any(_matches(name, pattern) for name in names):
             hint = nearest(pattern, names)
-            problems.append(f"record.variables[{index}]: no output {printable(pattern)!r}; {hint}")
+            problems.add(f"record.variables[{index}]", f"no output {printable(pattern)!r}; {hint}")
     return [
         entry
         for entry, name in zip(outputs, names, strict=True)
@@ -285,5 +309,5 @@ def _records(
 
 
 def _matches(name: str, pattern: str) -> bool:
-    """Whether a pattern names a variable; brackets of an array's element stand for themselves."""
+    """Whether a pattern names a variable; brackets of an array's element are taken literally."""
     return name == pattern or fnmatchcase(name, pattern)

@@ -1,11 +1,11 @@
 """Energy audit: what each coupling creates or loses, and whether it feeds a growth.
 
-A unit that steps with what another said of itself does work with a force that is not quite the
-other's force. Over a step the coupling creates the integral of that difference times the
-receiver's velocity: energy that neither unit has given. Mechanical couplings are watched, at
-the communication points; the electrical ones hand over a charge that one unit owns, and what
-their laws miss moves the voltage, not the energy. Units whose outputs follow their inputs
-directly are taken to have no state behind them.
+An instance that steps with values of another from the last communication point does work with a
+force that is not quite the other's force. Over a step the coupling creates the integral of that
+difference times the receiver's velocity: energy that neither instance has given. Mechanical
+couplings are watched, at the communication points; the electrical ones pass a charge that one
+instance owns, and what their laws miss moves the voltage, not the energy. Instances whose outputs
+follow their inputs directly are taken to have no state.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import NoReturn
 
 from ..errors import Divergence
 from ..scenario.connections import Connection
@@ -34,7 +35,7 @@ GROWTH = math.log(100.0)
 RISE = math.exp(0.75 * GROWTH)
 """Growth from the first to the last quarter of a span in which exchange grows by `GROWTH`."""
 POWER = 9.0
-"""Growth as this power of the time since the exchange began is that of a start, not of a fault."""
+"""A growth as this power of the time since the exchange began is a start from rest, not a fault."""
 EVEN = 0.6
 FED = 2e-3
 FAINT = 1e-25
@@ -51,13 +52,13 @@ LAWS: dict[str, tuple[Law, str]] = {
 
 @dataclass
 class Coupling:
-    """One way of a power coupling: an effort that a receiver uses, and its own flow.
+    """One direction of a power coupling: an effort that a receiver uses, and the receiver's flow.
 
     Without a law the effort was one number over the step, and Simpson's rule with the effort's
-    parabola gives the work of the difference; with one the difference grows from the law's
+    parabola gives the work of the difference; with a law the difference grows from the law's
     reference as a power of time, and `share` of its end value is the mean. `created` is
-    energy that the coupling has made (lost where negative) and `exchanged` the integral of
-    the power's magnitude [J]; `age` counts the steps since there was any.
+    energy that the coupling has created (lost where negative) and `exchanged` the integral of
+    the power's magnitude [J]; `age` counts the steps since there was any exchange.
     """
 
     name: str
@@ -73,19 +74,20 @@ class Coupling:
     exchanged: float = 0.0
     age: int = 0
     history: list[tuple[float, float]] = field(default_factory=list)
-    _last: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    last: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    motion: dict[str, float] = field(default_factory=dict)
 
     def begin(self, system: System, time: float) -> None:
-        """Note where a run starts."""
+        """Note the state at which a run starts."""
         values = system.values
         effort = float(values[self.effort]) * self.scale
-        self._last = (time, effort, float(values[self.flow]), effort)
-        self._motion = {name: float(values[k]) for name, k in self.back.items()}
+        self.last = (time, effort, float(values[self.flow]), effort)
+        self.motion = {name: float(values[k]) for name, k in self.back.items()}
 
     def add(self, system: System, time: float) -> None:
         """Account for the step that ends here."""
         values = system.values
-        then, effort, flow, earlier = self._last
+        then, effort, flow, earlier = self.last
         size = time - then
         now, moving = float(values[self.effort]) * self.scale, float(values[self.flow])
         used = self.receiver.inputs
@@ -97,13 +99,13 @@ class Coupling:
         else:
             members = {name: float(used[k]) for name, k in self.inputs.items()}
             motion = {name: float(values[k]) for name, k in self.back.items()}
-            first = self.law(members, self._motion, then) - effort
+            first = self.law(members, self.motion, then) - effort
             last = self.law(members, motion, time) - now
             work = self.share * (first * flow + last * moving)
-            self._motion = motion
+            self.motion = motion
         self.created += work * size
         self.exchanged += 0.5 * size * (abs(effort * flow) + abs(now * moving))
-        self._last = (time, now, moving, effort)
+        self.last = (time, now, moving, effort)
 
     @property
     def ratio(self) -> float:
@@ -112,11 +114,11 @@ class Coupling:
 
 
 class Audit:
-    """Watches all power couplings of a system; stops a run that lives on what they create."""
+    """Watches all power couplings of a system; stops a run whose growth they feed."""
 
     def __init__(self, system: System) -> None:
         self.couplings = list(_found(system))
-        self._count = 0
+        self.count = 0
 
     def summary(self) -> dict[str, tuple[float, float]]:
         """Energy created and exchanged by each coupling so far [J]."""
@@ -131,26 +133,29 @@ class Audit:
             coupling.add(system, time)
             coupling.age += coupling.exchanged > 0.0
             coupling.history.append((coupling.created, coupling.exchanged))
-        self._count += 1
-        if self._count % CHECKED == 0:
+        self.count += 1
+        if self.count % CHECKED == 0:
             for coupling in self.couplings:
                 del coupling.history[: -SPANS[-1] - 1]
                 if span := _fed(coupling.history, coupling.age):
-                    raise Divergence(
-                        f"{coupling.name} creates energy: what it exchanges has grown steadily for"
-                        f" {span} steps, t = {time:.6g} s, and {coupling.created:.3g} J of it came"
-                        " from nowhere; lower the step, connect whole ports, or use"
-                        " interface-newton"
-                    )
+                    self.stop(coupling, span, time)
+
+    def stop(self, coupling: Coupling, span: int, time: float) -> NoReturn:
+        """Raise `Divergence` for a coupling that has fed a growth over `span` steps."""
+        raise Divergence(
+            f"{coupling.name} creates energy: what it exchanges has grown steadily for"
+            f" {span} steps, t = {time:.6g} s, and {coupling.created:.3g} J of it came"
+            " from nowhere; lower the step, connect whole ports, or use interface-newton"
+        )
 
 
 def _fed(history: list[tuple[float, float]], age: int) -> int:
     """Steps over which exchange has grown a hundredfold, evenly, on created energy; else 0.
 
     Four quarters whose logarithms grow alike, and most of all that was ever exchanged in
-    them, tell an exponential from a swing through zero; growing by more than the `POWER` of the
-    steps since the exchange began (`age`) tells it from a start from rest, over brief spans.
-    A growth that the units themselves feed (flutter, pull-in) is not the coupling's.
+    them, distinguish an exponential from a swing through zero; over brief spans a growth by more
+    than the `POWER` of the steps since the exchange began (`age`) distinguishes it from a start
+    from rest. A growth that the instances themselves feed (flutter, pull-in) is not counted.
     """
     for span in SPANS:
         if len(history) <= span:
@@ -177,7 +182,7 @@ def _fed(history: list[tuple[float, float]], age: int) -> int:
 
 
 def _found(system: System) -> Iterator[Coupling]:
-    """Couplings of which both ways are wired and the units make a power."""
+    """Couplings that are wired both ways and whose units of measure make a power."""
     plan = system.plan
     for c in plan.connections:
         if c.input.order or not c.input.real:
@@ -222,7 +227,7 @@ def _coupling(
 
 
 def _arriving(plan: Plan, place: dict[str, int], target: str) -> list[Connection]:
-    """Connections into a unit in the order of its inputs."""
+    """Connections into an instance, in the order of its inputs."""
     arriving = [c for c in plan.connections if c.target == target]
     return sorted(arriving, key=lambda c: place[f"{c.source}.{c.output.name}"])
 

@@ -1,30 +1,119 @@
-"""What watches a run and never changes it: the recorder, the guard, the progress bar."""
+"""What observes a run and never changes it: a user's observers, the recorder, the guard, the bar.
+
+The run calls each :class:`Watcher` with the whole system. What a user gives to `run` is an
+:class:`Observer`; :class:`Observed` is the one place where it meets the system.
+"""
 
 from __future__ import annotations
 
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
 from time import perf_counter
-from typing import Protocol
+from types import MappingProxyType
+from typing import NoReturn, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Divergence
+from ..errors import Divergence, InputError, ObserverError
+from ..fmi.description import Variable
 from ..results.segments import Segments
+from ..scenario.plan import Plan
 from .system import System
+from .view import View
 
 Values = NDArray[np.float64]
 
 
 class Observer(Protocol):
+    """Observes a run that it is given to, as `run(plan, observers=[...])`.
+
+    Subclass it and write `sample`; a class with both methods does as well. Observers are called
+    one after the other, in the order of the list, in the process of the master.
+
+    An observer reads. The view has no way to the instances, so the rows of a run are the same
+    bits with and without observers. An exception ends the run: the outcome carries it as an
+    :class:`~orchestrator.errors.ObserverError` that names the observer, and keeps the rows up to
+    and including the communication point at which it came.
+    """
+
+    def start(self, plan: Plan, variables: Mapping[str, Variable]) -> None:
+        """Called once, after the instances have been initialised and before the first `sample`.
+
+        `variables` describes what the view will hold: `component.variable` to its unit of
+        measure and description. Does nothing where it is not overridden.
+        """
+
+    @abstractmethod
+    def sample(self, view: View) -> None:
+        """Called at the start, then at each communication point, when the values hold there.
+
+        On a grid these are its points, whatever `record.every` and `record.last` keep; steps that
+        are cut at an event or a timed action end at the grid's point. With a tolerance they are
+        the ends of accepted steps: no attempt that was rejected is ever seen. The second run of an
+        error estimate is not observed. Where a value leaves its bounds the run has stopped before.
+        """
+
+
+class Watcher(Protocol):
     """Called with the system at each communication point, after the values hold there."""
 
     def sample(self, system: System, step: int, time: float) -> None: ...
 
 
+def check_observers(observers: Sequence[Observer]) -> None:
+    """Refuse what is not a list of observers, before anything is loaded; `InputError`."""
+    if not isinstance(observers, Sequence):
+        raise InputError(
+            f"observers: expected a list of observers, got one {type(observers).__name__};"
+            " write observers=[...]"
+        )
+    for index, observer in enumerate(observers):
+        lacking = [n for n in ("start", "sample") if not callable(getattr(observer, n, None))]
+        if lacking or isinstance(observer, type):
+            what = observer.__name__ if isinstance(observer, type) else type(observer).__name__
+            why = "is a class; give an instance of it"
+            if lacking:
+                why = f"has no method {' and no '.join(lacking)}; subclass orchestrator.Observer"
+            raise InputError(f"observers[{index}]: {what} {why}")
+
+
+class Observed:
+    """A user's observers as one watcher: they get a view in the place of the system."""
+
+    def __init__(self, system: System, observers: Sequence[Observer]) -> None:
+        self._observers = list(observers)
+        self._view = View(system)
+        variables = dict(zip(system.names, system.variables, strict=True))
+        self._variables = MappingProxyType(variables)
+
+    def sample(self, system: System, step: int, time: float) -> None:
+        self._view._move(step, time)
+        if step == 0:
+            for index, observer in enumerate(self._observers):
+                try:
+                    observer.start(system.plan, self._variables)
+                except Exception as error:
+                    raise self._failed(index, "start", error) from error
+        for index, observer in enumerate(self._observers):
+            try:
+                observer.sample(self._view)
+            except Exception as error:
+                raise self._failed(index, "sample", error) from error
+
+    def _failed(self, index: int, method: str, error: Exception) -> ObserverError:
+        """The error that names the observer, the time and what it raised."""
+        text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+        return ObserverError(
+            f"observers[{index}] ({type(self._observers[index]).__name__}): {method} raised"
+            f" {type(error).__name__} at t = {self._view.time:.9g} s: {text}"
+        )
+
+
 class Recorder:
     """Rows of the recorded values, each stamped with the time at which it holds.
 
-    With somewhere to put them, rows leave memory in closed segments: when `SEGMENT` bytes
+    With `segments`, rows are moved from memory to disk in closed segments: when `SEGMENT` bytes
     are full, and at the latest every `PATIENCE` seconds.
     """
 
@@ -35,8 +124,8 @@ class Recorder:
         place = {name: index for index, name in enumerate(system.names)}
         self.names = [f"{name}.{variable.name}" for name, variable in system.plan.records]
         self._columns = np.array([place[name] for name in self.names], dtype=np.intp)
-        self._every = every
-        self._from = system.plan.keep_from
+        self.every = every
+        self.begin = system.plan.keep_from
         self._segments = segments
         self._full = max(256, self.SEGMENT // (8 * (len(self.names) + 1)))
         self._written = perf_counter()
@@ -46,20 +135,48 @@ class Recorder:
         self.count = 0
 
     def sample(self, system: System, step: int, time: float) -> None:
-        if step % self._every or time < self._from:
+        if step % self.every or time < self.begin:
             return
         if self.count == len(self._times):
-            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
-            self._times = np.concatenate([self._times, np.empty_like(self._times)])
+            self._grow()
         np.take(system.values, self._columns, out=self._rows[self.count])
         self._times[self.count] = time
         self.count += 1
         if self._segments is not None and self.count % 256 == 0:
-            late = perf_counter() - self._written > self.PATIENCE
-            if self.count >= self._full or late:
-                self._segments.write(self.times, self.rows)
-                self._written = perf_counter()
-                self.count = 0
+            self.write_if_late()
+
+    def _grow(self) -> None:
+        self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+        self._times = np.concatenate([self._times, np.empty_like(self._times)])
+
+    def make_room(self) -> None:
+        """Have room for at least one more row: in memory, or by closing a segment."""
+        self.write_if_late()
+        if self.count == len(self._times):
+            self._grow()
+
+    def write_if_late(self) -> bool:
+        """Close a segment where one is full or due; whether rows have left memory."""
+        if self._segments is None or not self.count:
+            return False
+        late = perf_counter() - self._written > self.PATIENCE
+        if self.count < self._full and not late:
+            return False
+        self._segments.write(self.times, self.rows)
+        self._written = perf_counter()
+        self.count = 0
+        return True
+
+    @property
+    def room(self) -> int:
+        """Rows that memory holds before some have to leave it or it has to grow."""
+        full = len(self._times)
+        return full if self._segments is None else min(full, self._full)
+
+    @property
+    def arrays(self) -> tuple[Values, Values, NDArray[np.intp]]:
+        """Times, rows and the recorded places of the system's values, as they are in memory."""
+        return self._times, self._rows, self._columns
 
     @property
     def times(self) -> Values:
@@ -75,10 +192,10 @@ class Recorder:
 class Guard:
     """Stops a run whose values have ceased to mean anything.
 
-    At every point: NaN, infinity, and what leaves the bounds that its FMU declares (1e100
-    where it declares none). With `growth`, which asks for equal steps, every `WINDOW` points: a
-    wired value whose peak has at least doubled in `WINDOWS` windows on end, which no
-    vibration that settles does, however it starts (a growth as t^n doubles over eight
+    It looks at every point for NaN, infinity, and values outside the bounds that their FMU
+    declares (1e100 where it declares none). With `growth`, which needs equal steps, it looks every
+    `WINDOW` points for a wired value whose peak has at least doubled in `WINDOWS` windows in a row.
+    No vibration that settles does that, however it starts (a growth as t^n doubles over eight
     windows only for n above 5).
     """
 
@@ -88,50 +205,56 @@ class Guard:
 
     def __init__(self, system: System, growth: bool = True) -> None:
         variables = system.variables
-        self._every = self.WINDOW if growth else 0
-        self._high = np.array([self.BOUND if v.most is None else v.most for v in variables])
-        self._low = np.array([-self.BOUND if v.least is None else v.least for v in variables])
+        self.every = self.WINDOW if growth else 0
+        self.high = np.array([self.BOUND if v.most is None else v.most for v in variables])
+        self.low = np.array([-self.BOUND if v.least is None else v.least for v in variables])
         wired = {
             f"{c.source}.{c.output.name}" for c in system.plan.connections if not c.output.order
         }
-        self._wired = np.array([name in wired for name in system.names])
-        self._peak = np.zeros(len(variables))
-        self._last = np.zeros(len(variables))
-        self._growing = np.zeros(len(variables), dtype=int)
-        self._count = 0
+        self.wired = np.array([name in wired for name in system.names])
+        self.peak = np.zeros(len(variables))
+        self.previous = np.zeros(len(variables))
+        self.growing = np.zeros(len(variables), dtype=np.int64)
+        self.count = 0
 
     def sample(self, system: System, step: int, time: float) -> None:
         values = system.values
-        if not ((values <= self._high).all() and (values >= self._low).all()):
-            self._stop(system, time)
-        if not self._every:
+        if not ((values <= self.high).all() and (values >= self.low).all()):
+            self.stop_out_of_bounds(system, time)
+        if not self.every:
             return
-        np.maximum(self._peak, np.abs(values), out=self._peak)
-        self._count += 1
-        if self._count % self._every == 0:
+        np.maximum(self.peak, np.abs(values), out=self.peak)
+        self.count += 1
+        if self.count % self.every == 0:
             self._compare(system, time)
 
     def _compare(self, system: System, time: float) -> None:
-        """Close a window: count on where the peak has doubled, start again elsewhere."""
-        doubled = (self._peak >= 2.0 * self._last) & (self._last > 0.0)
-        self._growing = np.where(doubled & self._wired, self._growing + 1, 0)
-        if (self._growing >= self.WINDOWS).any():
-            index = int(np.argmax(self._growing))
-            raise Divergence(
-                f"{system.names[index]} grows without end: {self._peak[index]:.3g}"
-                f" {system.variables[index].unit} at t = {time:.6g} s, doubling every"
-                f" {self.WINDOW} steps; lower the step or use laws"
-            )
-        self._last, self._peak = self._peak, np.zeros_like(self._peak)
+        """Close a window: add to the count where the peak has doubled, reset it elsewhere."""
+        doubled = (self.peak >= 2.0 * self.previous) & (self.previous > 0.0)
+        self.growing[:] = np.where(doubled & self.wired, self.growing + 1, 0)
+        if (self.growing >= self.WINDOWS).any():
+            self.stop_growth(system, time)
+        self.previous[:] = self.peak
+        self.peak[:] = 0.0
 
-    def _stop(self, system: System, time: float) -> None:
+    def stop_growth(self, system: System, time: float) -> NoReturn:
+        """Raise `Divergence` for the value that has doubled for longest."""
+        index = int(np.argmax(self.growing))
+        raise Divergence(
+            f"{system.names[index]} grows without end: {self.peak[index]:.3g}"
+            f" {system.variables[index].unit} at t = {time:.6g} s, doubling every"
+            f" {self.WINDOW} steps; lower the step or use laws"
+        )
+
+    def stop_out_of_bounds(self, system: System, time: float) -> NoReturn:
+        """Raise `Divergence` for the first value that is outside of its bounds, or not finite."""
         values = system.values
-        bad = ~((values <= self._high) & (values >= self._low))
+        bad = ~((values <= self.high) & (values >= self.low))
         index = int(np.argmax(bad))
         name, value = system.names[index], float(values[index])
         unit = system.variables[index].unit
         if np.isfinite(value):
-            low, high = self._low[index], self._high[index]
+            low, high = self.low[index], self.high[index]
             what = f"is outside {low:g} to {high:g} {unit}"
         else:
             what = "is not a finite number"
@@ -142,10 +265,10 @@ class Guard:
 
 
 def _last_message(system: System, name: str) -> str:
-    """The last thing the unit behind a value said, or `none`."""
+    """The last message that the instance of a value has logged, or `none`."""
     instance = name.partition(".")[0]
-    said = [m.instance.messages for m in system.instances if m.instance.name == instance]
-    return said[0][-1] if said and said[0] else "none"
+    logs = [m.instance.messages for m in system.instances if m.instance.name == instance]
+    return logs[0][-1] if logs and logs[0] else "none"
 
 
 class Progress:

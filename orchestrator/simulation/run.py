@@ -16,10 +16,19 @@ from ..results.error_estimate import halved
 from ..results.outcome import Outcome, whole
 from ..results.segments import Segments
 from ..scenario.plan import Plan
+from .compiled.drive import drive, drive_controlled, unsuited
 from .energy_audit import Audit
 from .interrupt import Interrupt, Interrupted
-from .masters import Master, master
-from .observers import Guard, Observer, Progress, Recorder
+from .masters import Master, master_class
+from .observers import (
+    Guard,
+    Observed,
+    Observer,
+    Progress,
+    Recorder,
+    Watcher,
+    check_observers,
+)
 from .step_control import adaptive
 from .stepper import Stepper
 from .system import System
@@ -35,15 +44,22 @@ def run(
     interrupt: Interrupt | None = None,
     segments: Segments | None = None,
     estimate: bool | None = None,
+    observers: Sequence[Observer] = (),
 ) -> Outcome:
-    """Load the units of a plan, step them through its time span, and free them.
+    """Load the instances of a plan, step them through its time span, and free them.
 
     Steps are those of the scenario's grid, or with a tolerance of the size that it asks for. With
     `estimate`, by default where there is a tolerance, the outcome carries estimated errors.
-    A failure in mid-run does not raise: the outcome carries it beside what was recorded.
-    `segments` takes the rows of a long run off memory.
+    A failure in mid-run does not raise: the outcome carries it beside what was recorded, and its
+    `checked` raises it.
+    `segments` takes the rows of a long run off memory. `observers` are called at each
+    communication point, see :class:`~orchestrator.simulation.observers.Observer`; one that raises
+    ends the run as a failure in mid-run. Raises `InputError` where one has not their methods.
     """
-    outcome = _stepped(plan, None, progress=progress, interrupt=interrupt, segments=segments)
+    check_observers(observers)
+    outcome = _stepped(
+        plan, None, progress=progress, interrupt=interrupt, segments=segments, observers=observers
+    )
     wanted = plan.scenario.time.tolerance is not None if estimate is None else estimate
     if not wanted or outcome.failure is not None:
         return outcome
@@ -60,18 +76,18 @@ def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcom
 
     The scenario is run again with half of each communication step; see
     :func:`orchestrator.results.error_estimate.estimate`. Where that run fails the outcome stays
-    without estimates, and says why.
+    without estimates, and `doubt` is the reason.
     """
     if outcome.plan.fixed_step:
         fixed = ", ".join(outcome.plan.fixed_step)
-        return replace(outcome, doubt=f"{fixed} takes steps of one size only")
+        return replace(outcome, doubt=f"{fixed} can only take steps of one size")
     if outcome.kept * len(outcome.names) > MOST_HELD:
         return replace(outcome, doubt="the run is too long to be held in memory; see record.last")
     times, held = whole(outcome)
     try:
         again = _stepped(outcome.plan, halved(outcome.points), interrupt=interrupt)
     except ResilinError as error:
-        return replace(outcome, doubt=f"a second time: {error}")
+        return replace(outcome, doubt=f"the second run, at half the step, fails: {error}")
     if isinstance(again.failure, Interrupted):
         return replace(outcome, failure=again.failure)
     if again.failure is not None:
@@ -89,31 +105,38 @@ def _stepped(
     progress: bool = False,
     interrupt: Interrupt | None = None,
     segments: Segments | None = None,
+    observers: Sequence[Observer] = (),
 ) -> Outcome:
     with System(plan) as system:
         settings = plan.scenario.master
         tolerance = plan.scenario.time.tolerance
-        method = master(settings.kind)(system, settings)
+        master = master_class(settings.kind)(system, settings)
         recorder = Recorder(system, plan.scenario.record.every, segments)
         bar = Progress(system) if progress else None
         even = tolerance is None and points is None
-        watching: list[Observer] = [Guard(system, growth=even), recorder]
+        watching: list[Watcher] = [Guard(system, growth=even), recorder]
         audit = Audit(system)
         if even and audit.couplings:
             watching.append(audit)
+        if observers:
+            watching.append(Observed(system, observers))
         if bar is not None:
             watching.append(bar)
+        reason = unsuited(system, master, watching)
         failure: Exception | None = None
         taken: Sequence[float] = []
         rejected = 0
         begun = perf_counter()
         try:
-            if points is not None:
-                taken, steps = points, along(system, method, points, watching, interrupt)
-            elif tolerance is None:
-                taken, steps = _grid_points(plan), advance(system, method, watching, interrupt)
+            if points is not None or tolerance is None:
+                taken = _grid_points(plan) if points is None else points
+                if reason:
+                    steps = _in_python(system, master, watching, interrupt, points)
+                else:
+                    steps = drive(system, master, watching, interrupt, points)
             else:
-                taken, steps, rejected = adaptive(system, method, tolerance, watching, interrupt)
+                controlled = adaptive if reason else drive_controlled
+                taken, steps, rejected = controlled(system, master, tolerance, watching, interrupt)
         except (SimulationError, OutputError, Interrupted) as error:
             failure = error
             steps = max((m.instance.steps for m in system.instances), default=0)
@@ -124,18 +147,39 @@ def _stepped(
         calls = {m.instance.name: m.instance.steps for m in system.instances}
         rollbacks = {m.instance.name: m.instance.rollbacks for m in system.instances}
     return Outcome(
-        *(plan, recorder.names, recorder.times, recorder.rows, wall_time, steps, calls, failure),
+        plan=plan,
+        names=recorder.names,
+        times=recorder.times,
+        rows=recorder.rows,
+        wall_time=wall_time,
+        steps=steps,
+        calls=calls,
+        failure=failure,
         couplings=audit.summary(),
         points=taken,
         rejected=rejected,
         rollbacks=rollbacks,
         residual=system.residual,
         segments=segments,
+        python_loop=reason,
     )
 
 
+def _in_python(
+    system: System,
+    master: Master,
+    watching: Sequence[Watcher],
+    interrupt: Interrupt | None,
+    points: Sequence[float] | None,
+) -> int:
+    """The loop in Python, over the grid or over given points: number of steps."""
+    if points is None:
+        return advance(system, master, watching, interrupt)
+    return along(system, master, points, watching, interrupt)
+
+
 class _GridPoints(Sequence[float]):
-    """Communication points of a grid, made when asked for."""
+    """Communication points of a grid, calculated on access."""
 
     def __init__(self, plan: Plan) -> None:
         self._grid = plan.grid
@@ -155,17 +199,17 @@ def _grid_points(plan: Plan) -> Sequence[float]:
 
 def advance(
     system: System,
-    method: Master,
-    watching: Sequence[Observer],
+    master: Master,
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system through its grid; number of steps taken.
 
-    Time is start + k * step. What happens strictly between two points splits that step; rows
-    are kept at the points of the grid alone, so that they stay equidistant.
+    Time is start + k * step. A discontinuity or an action strictly between two points splits that
+    step; rows are recorded at the points of the grid alone, so that they stay equidistant.
     """
     grid = system.plan.grid
-    stepper = Stepper(system, method)
+    stepper = Stepper(system, master)
     for observer in watching:
         observer.sample(system, 0, grid.start)
     for k in range(grid.count):
@@ -180,13 +224,13 @@ def advance(
 
 def along(
     system: System,
-    method: Master,
+    master: Master,
     points: Sequence[float],
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system over given communication points; number of steps taken."""
-    stepper = Stepper(system, method)
+    stepper = Stepper(system, master)
     for observer in watching:
         observer.sample(system, 0, points[0])
     for k, (time, end) in enumerate(pairwise(points), start=1):

@@ -13,7 +13,7 @@ from .coupled_instance import Indices, Values
 from .interrupt import Interrupt
 from .masters import Master
 from .masters.extrapolation import Past, combined, point_weights
-from .observers import Observer
+from .observers import Watcher
 from .stepper import Stepper
 from .system import System
 
@@ -28,93 +28,93 @@ MILNE = 1.0 / 6.0
 
 
 class Estimator(Protocol):
-    """Takes one step and says how wrong it is."""
+    """Takes one step and estimates its error."""
 
     rejects: bool
 
     def attempt(self, time: float, size: float) -> Values:
-        """Step from `time`; estimated local error of each coupling value."""
+        """Step from `time`; return the estimated local error of each coupling value."""
 
     def undo(self) -> None:
-        """Go back to before the last attempt, where `rejects`."""
+        """Go back to before the last attempt; only where `rejects` is true."""
 
     def accept(self) -> None:
         """Keep the last attempt."""
 
 
 class Doubling:
-    """The same step once whole and once in halves, from one saved state; the halves are kept."""
+    """Takes a step whole and then in halves, from one saved state; the halves are kept."""
 
     rejects = True
 
     def __init__(self, stepper: Stepper, columns: Indices) -> None:
-        self._walk = stepper
+        self._stepper = stepper
         self._columns = columns
         self._moment = stepper.system.save()
-        self._memory = stepper.method.remember()
+        self._memory = stepper.master.remember()
         self.points: list[float] = []
 
     def attempt(self, time: float, size: float) -> Values:
-        system, method = self._walk.system, self._walk.method
+        system, master = self._stepper.system, self._stepper.master
         half = 0.5 * size
-        method.advance(time, size)
+        master.advance(time, size)
         whole = system.values[self._columns].copy()
         system.restore(self._moment)
-        method.recall(self._memory)
-        method.advance(time, half)
-        method.advance(time + half, time + size - (time + half))
-        self._walk.steps += 3
+        master.recall(self._memory)
+        master.advance(time, half)
+        master.advance(time + half, time + size - (time + half))
+        self._stepper.steps += 3
         self.points = [time + half, time + size]
         return np.abs(whole - system.values[self._columns])
 
     def undo(self) -> None:
-        self._walk.system.restore(self._moment)
-        self._walk.method.recall(self._memory)
+        self._stepper.system.restore(self._moment)
+        self._stepper.master.recall(self._memory)
 
     def accept(self) -> None:
-        system = self._walk.system
+        system = self._stepper.system
         system.forget(self._moment)
         self._moment = system.save()
-        self._memory = self._walk.method.remember()
+        self._memory = self._stepper.master.remember()
 
 
 class Foresight:
-    """What a parabola through the last points foresaw against what came; needs no rollback."""
+    """Compares a step with a parabola through the points before it; needs no rollback."""
 
     rejects = False
 
     def __init__(self, stepper: Stepper, columns: Indices) -> None:
-        self._walk = stepper
+        self._stepper = stepper
         self._columns = columns
         self._past = Past(3)
         self.points: list[float] = []
 
     def attempt(self, time: float, size: float) -> Values:
-        values = self._walk.system.values
+        values = self._stepper.system.values
         past, end = self._past, time + size
         past.note(time, values[self._columns])
-        self._walk.method.advance(time, size)
-        self._walk.steps += 1
+        self._stepper.master.advance(time, size)
+        self._stepper.steps += 1
         self.points = [end]
-        seen = combined(point_weights(past.times, end, size), past.values)
-        return MILNE * np.abs(seen - values[self._columns])
+        foreseen = combined(point_weights(past.times, end, size), past.values)
+        return MILNE * np.abs(foreseen - values[self._columns])
 
     def undo(self) -> None:
         raise NotImplementedError
 
     def accept(self) -> None:
-        """Nothing is saved, nothing to free."""
+        """Do nothing: no state is saved."""
 
     def interrupt(self) -> None:
-        """A discontinuity lies between: what was seen before it says nothing of after."""
+        """Forget the points before a discontinuity: they predict nothing after it."""
         self._past.forget()
 
 
 def adaptive(
     system: System,
-    method: Master,
+    master: Master,
     tolerance: float,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> tuple[list[float], int, int]:
     """Step a system through its time span; communication points, steps, and rejections.
@@ -122,15 +122,15 @@ def adaptive(
     The local error of a step, relative to the largest value seen, may use up its share of
     the tolerance: step over the time in which errors add up, `MEMORY` cycles or the whole
     run. A PI controller (Gustafsson 1991) sets the next step; a step that misses by more is
-    taken again, shorter, where all units roll back. Steps end at discontinuities.
+    taken again, shorter, where all instances roll back. Steps end at discontinuities.
     """
     plan = system.plan
     grid = plan.grid
-    stepper = Stepper(system, method)
-    columns = _columns(system)
+    stepper = Stepper(system, master)
+    columns = coupling_columns(system)
     able = all(known.rollback for known in plan.interfaces.values())
     estimator = Doubling(stepper, columns) if able else Foresight(stepper, columns)
-    control = _Control(system, tolerance)
+    control = Control(system, tolerance)
     scale = np.abs(system.values[columns])
     time, points, rejected = grid.start, [grid.start], 0
     size = grid.step if able else 0.1 * grid.step
@@ -167,8 +167,8 @@ def adaptive(
     return points, stepper.steps, rejected
 
 
-def _columns(system: System) -> Indices:
-    """Places of the wired real values that are no members of laws."""
+def coupling_columns(system: System) -> Indices:
+    """Places of the wired real values that are not members of laws."""
     plan = system.plan
     used = {f"{c.source}.{c.output.name}" for c in plan.connections if not c.output.order}
     chosen = [k for k in system.wired if system.names[k] in used and system.variables[k].real]
@@ -176,15 +176,15 @@ def _columns(system: System) -> Indices:
 
 
 def _end(time: float, size: float, latest: float) -> float:
-    """End of a step of about `size`; no crumb is left before `latest`."""
+    """End of a step of about `size`; no tiny step is left over before `latest`."""
     left = latest - time
     if left <= 1.01 * size:
         return latest
     return time + (0.5 * left if left < 2.0 * size else size)
 
 
-class _Control:
-    """PI control of the step from relative errors per step."""
+class Control:
+    """PI control of the step size from the relative error of each step."""
 
     def __init__(self, system: System, tolerance: float) -> None:
         grid, frequency = system.plan.grid, system.plan.frequency

@@ -1,51 +1,58 @@
-"""From one communication point to the next, cut where something happens in between."""
+"""From one communication point to the next, cut at discontinuities and timed actions."""
 
 from __future__ import annotations
+
+from math import inf
 
 from .masters import Master
 from .system import System
 
 MERGED = 1e-6
-"""What happens closer than this fraction of a step to a communication point is not cut out."""
+"""Events closer than this fraction of a step to a communication point do not cut the step."""
 
 
 class Stepper:
     """Steps a system with a master, never across a discontinuity or a timed action.
 
-    Units announce discontinuities through `next_event_time`. Where some unit takes steps of
+    Instances announce discontinuities through `next_event_time`. Where some instance takes steps of
     one size only nothing is cut: discontinuities are stepped over, and actions take effect
     at the next communication point. `steps` counts calls of the master.
     """
 
-    def __init__(self, system: System, method: Master) -> None:
+    def __init__(self, system: System, master: Master) -> None:
         self.system = system
-        self.method = method
+        self.master = master
         self.steps = 0
         self.whole = bool(system.plan.fixed_step)
-        self._margin = MERGED * system.plan.grid.step
+        self.margin = MERGED * system.plan.grid.step
         self._actions = list(system.plan.actions)
-        self._quiet = not (system.announces or self._actions)
+        self.quiet = not (system.announces or self._actions)
         self.act(system.plan.grid.start)
 
+    @property
+    def next_action(self) -> float:
+        """Time of the next timed action; infinity without one."""
+        return self._actions[0].time if self._actions else inf
+
     def act(self, time: float) -> None:
-        """Carry out what is due at a communication point."""
-        while self._actions and self._actions[0].time <= time + self._margin:
+        """Carry out the actions that are due at a communication point."""
+        while self._actions and self._actions[0].time <= time + self.margin:
             self.system.act(self._actions.pop(0))
-            self.method.interrupt()
+            self.master.interrupt()
 
     def cut(self, time: float, end: float) -> float:
-        """Where a step from `time` has to end at the latest, `end` if nothing is between."""
+        """Latest end of a step from `time`: `end` if no event or action lies between."""
         if self.whole:
             return end
         stop = self.system.next_event()
         if self._actions:
             stop = min(stop, self._actions[0].time)
-        return stop if time + self._margin < stop < end - self._margin else end
+        return stop if time + self.margin < stop < end - self.margin else end
 
     def to(self, time: float, end: float, size: float) -> None:
-        """Go from `time` to `end`, at best in one step of `size`."""
-        if self._quiet:
-            self.method.advance(time, size)
+        """Go from `time` to `end`, in one step of `size` where nothing lies between."""
+        if self.quiet:
+            self.master.advance(time, size)
             self.steps += 1
             return
         while True:
@@ -57,15 +64,15 @@ class Stepper:
         self.step(time, end, size)
 
     def step(self, time: float, end: float, size: float) -> None:
-        """One step of the master, with nothing in between; then what is due at its end."""
+        """One step of the master without events inside; then carry out what is due at its end."""
         event = self.system.next_event()
-        self.method.advance(time, size)
+        self.master.advance(time, size)
         self.steps += 1
         self.arrive(end, event)
 
     def arrive(self, end: float, event: float) -> None:
-        """What is due at a point that is reached for good; `event` is the last announced."""
-        if event <= end + self._margin:
-            self.method.interrupt()
+        """Carry out what is due at a point that is kept; `event` is the last announced."""
+        if event <= end + self.margin:
+            self.master.interrupt()
         if self._actions:
             self.act(end)

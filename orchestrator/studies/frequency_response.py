@@ -1,29 +1,32 @@
-"""Frequency response of a linearised scenario as a picture."""
+"""Frequency response of a linearised scenario as a plot."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, printable
+from ..report.image import save_figure
+from ..results.netcdf import netcdf_name
+from ..results.scenario_attribute import scenario_table
+from ..scenario.metric_expression import expression_of
 from ..simulation.linear.state_space import Linear
-from .output_files import save_figure
+
+if TYPE_CHECKING:
+    import xarray
 
 MOST = 8
 
 
-METRICS = {"displacement": "travel", "flap_angle": "flapping_stroke"}
-"""Metric of a sweep that is twice the amplitude of an output."""
-
-
 @dataclass(frozen=True)
 class Beside:
-    """A sweep of the nonlinear scenario over frequency: half its travels and strokes by `drive`.
+    """A sweep of the nonlinear scenario over frequency: half its travels and strokes by the drive.
 
-    `drive` is the amplitude of what drove it, in the unit of the linear input.
+    Amplitudes are divided by that of the drive, in the unit of the linear input.
     """
 
     frequencies: NDArray[np.float64]
@@ -33,23 +36,47 @@ class Beside:
 
 
 def beside(path: Path, drive: float) -> Beside:
-    """Read a sweep that `resilin sweep` has written over one parameter called frequency."""
+    """Read a sweep that `resilin sweep` has written over one parameter called frequency.
+
+    `drive` is the drive's amplitude in the unit of the linear input. Raises `InputError` where the
+    file cannot be read as such a sweep.
+    """
     import xarray
 
     try:
         with xarray.open_dataset(path) as data:
             axes = [str(c) for c in data.coords if str(c).rpartition(".")[2] == "frequency"]
             if len(axes) != 1:
-                raise InputError(f"{path}: is no sweep over one frequency")
+                raise InputError(f"{path}: is not a sweep over one frequency")
+            swings, phase = _measured(data)
             found = {
                 output: 0.5 * np.asarray(data[metric], float) / drive
-                for output, metric in METRICS.items()
-                if metric in data
+                for output, metric in swings.items()
             }
-            lags = np.asarray(data["phase"], float) if "phase" in data else None
+            lags = np.asarray(data[phase], float) if phase else None
             return Beside(np.asarray(data[axes[0]], float), found, lags, path.name)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, KeyError) as error:
         raise InputError(f"{path}: cannot be read as a sweep ({error})") from None
+
+
+def _measured(data: xarray.Dataset) -> tuple[dict[str, str], str]:
+    """Metrics of a sweep that are peak to peak values, by their output; and that of a phase."""
+    defined = scenario_table(data.attrs, "metrics")
+    if not defined:
+        raise ValueError("it carries no scenario with metrics")
+    swings: dict[str, str] = {}
+    phase = ""
+    for name, text in defined.items():
+        column = netcdf_name(str(name))
+        if name == "cycles" or column not in data:
+            continue
+        expression = expression_of(str(text))
+        function = getattr(getattr(expression.tree, "func", None), "id", "")
+        if function == "peak_to_peak" and len(expression.variables) == 1:
+            swings[expression.variables[0]] = column
+        elif function == "phase":
+            phase = column
+    return swings, phase
 
 
 def draw(
@@ -79,7 +106,7 @@ def draw(
             axes[1].semilogx(frequencies, np.degrees(np.unwrap(np.angle(curve))))
     if swept is not None:
         for name in system.outputs[:MOST]:
-            if (found := swept.amplitudes.get(name.rpartition(".")[2])) is not None:
+            if (found := swept.amplitudes.get(name)) is not None:
                 label = printable(f"{name}, {swept.name}").replace("$", r"\$")
                 axes[0].loglog(swept.frequencies, found, "o", ms=3, label=label)
         if swept.lags is not None:
@@ -92,4 +119,7 @@ def draw(
             axis.axvline(frequency, color="k", ls=":", lw=0.8)
     axes[0].legend(fontsize=7)
     figure.tight_layout()
-    return save_figure(figure, path, 110)
+    try:
+        return save_figure(figure, path, 110)
+    finally:
+        pyplot.close(figure)

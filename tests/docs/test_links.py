@@ -86,7 +86,7 @@ def test_every_page_has_its_place_in_the_site() -> None:
 
     pages = list(listed(settings["nav"]))
     assert len(pages) == len(set(pages))
-    elsewhere = {"index.md", "contributing.md", "changelog.md", "parts/index.md"}
+    elsewhere = {"index.md", "contributing.md", "changelog.md", "examples.md", "parts/index.md"}
     parts = {f"parts/{path.parent.name}.md" for path in ROOT.glob("fmus/*/README.md")}
     written = {path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md")}
     assert set(pages) == elsewhere | parts | written

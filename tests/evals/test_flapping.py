@@ -33,7 +33,7 @@ def value(outcome: Outcome, name: str) -> float:
 def test_peaks_of_figure_11(
     outcome: Runner, scenario: str, frequency: float, stroke: float, tolerance: float
 ) -> None:
-    """The stroke at the peak, and that it is one: 3 % to either side is less."""
+    """The stroke at the peak, and that it is a peak: 3 % to either side it is less."""
     strokes = [
         np.degrees(value(outcome(scenario, {"amplifier.frequency": f"{f} Hz"}), "flapping stroke"))
         for f in (0.97 * frequency, frequency, 1.03 * frequency)
@@ -85,7 +85,7 @@ def test_laws_beat_numbers_by_their_order(library: Path) -> None:
         assert low < order < high, laws
 
 
-def test_a_start_from_rest_is_no_growth(outcome: Runner) -> None:
+def test_a_start_from_rest_is_not_a_growth(outcome: Runner) -> None:
     """Power rises as t^6 behind an edge; so fine a step makes that look like an exponential."""
     settings = {"kind": "jacobi", "laws": "held"}
     time = {"stop": "0.25 cycles", "step": {"per_cycle": 1600}}

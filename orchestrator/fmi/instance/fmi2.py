@@ -63,11 +63,13 @@ class Fmi2Instance(InProcessInstance):
         self._call(setup, int(tolerance is not None), tolerance or 0.0, time, 1, stop)
         self._set_starts(start)
 
+    def _transfer_function(self, verb: str, kind: str) -> Any:
+        name = f"fmi2{verb}{self.SUFFIX.get(kind, kind)}"
+        return self._function(name, POINTER, POINTER, COUNT, POINTER)
+
     def _bind(self, verb: str, kind: str, references: list[int], values: Any) -> Callable[[], int]:
         count = len(references)
-        raw = self._function(
-            f"fmi2{verb}{self.SUFFIX.get(kind, kind)}", POINTER, POINTER, COUNT, POINTER
-        )
+        raw = self._transfer_function(verb, kind)
         wanted = (ctypes.c_uint * count)(*references)
         instance = self._instance
         there = ctypes.addressof(wanted)
@@ -104,21 +106,21 @@ class Fmi2Instance(InProcessInstance):
 
 @functools.cache
 def _logger() -> Any:
-    """The one callback of all units; fmpy's proxy keeps it for the life of the process."""
+    """The one callback of all instances; fmpy's proxy keeps it until the process ends."""
     from fmpy import fmi2
 
-    return fmi2.fmi2CallbackLoggerTYPE(_heard)
+    return fmi2.fmi2CallbackLoggerTYPE(_log)
 
 
-def _heard(
+def _log(
     environment: int | None, instance: bytes, status: int, category: bytes, message: bytes | None
 ) -> None:
-    """Logger of all units of FMI 2."""
+    """Logger of all instances of FMI 2."""
     route(environment, status, message)
 
 
 def _format_varargs(callbacks: Any) -> None:
-    """Let fmpy's proxy format the C varargs of log messages, where it is there."""
+    """Let fmpy's proxy format the C varargs of log messages, where fmpy has one."""
     try:
         from fmpy.logging import addLoggerProxy
     except Exception:

@@ -1,8 +1,8 @@
 """FMI 3.0 for co-simulation.
 
-No event mode and no early return are asked for, so an FMU handles its events inside its step,
-as FMI 3 then demands. One that announces an event, returns early or asks for the end all the
-same is refused with that reason.
+Instances are made without event mode and early return, so an FMU handles its events inside its
+step, as FMI 3 then demands. One that requests event mode, returns early or requests the end all
+the same is refused with that reason.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ class Fmi3Instance(InProcessInstance):
         self._terminate = ctypes.c_bool()
         self._early = ctypes.c_bool()
         self._reached = ctypes.c_double()
-        told = (self._event, self._terminate, self._early, self._reached)
-        self._told = tuple(ctypes.addressof(entry) for entry in told)
+        results = (self._event, self._terminate, self._early, self._reached)
+        self._flags = tuple(ctypes.addressof(entry) for entry in results)
         resources = folder / "resources"
         return instantiate(
             self.name.encode(),
@@ -81,10 +81,13 @@ class Fmi3Instance(InProcessInstance):
         self.faults = 0
         self._running = True
 
+    def _transfer_function(self, verb: str, kind: str) -> Any:
+        name = f"fmi3{verb}{self.SUFFIX.get(kind, kind)}"
+        return self._function(name, POINTER, POINTER, COUNT, POINTER, COUNT)
+
     def _bind(self, verb: str, kind: str, references: list[int], values: Any) -> Callable[[], int]:
         count, total = len(references), len(values)
-        name = f"fmi3{verb}{self.SUFFIX.get(kind, kind)}"
-        raw = self._function(name, POINTER, POINTER, COUNT, POINTER, COUNT)
+        raw = self._transfer_function(verb, kind)
         wanted = (ctypes.c_uint * count)(*references)
         instance = self._instance
         there = ctypes.addressof(wanted)
@@ -104,26 +107,26 @@ class Fmi3Instance(InProcessInstance):
 
     def _advance(self, time: float, size: float) -> int:
         kept = not self._saved
-        status = int(self._do_step(self._instance, time, size, kept, *self._told))
+        status = int(self._do_step(self._instance, time, size, kept, *self._flags))
         if status in (0, 1):
             self._refuse(time, size)
         return status
 
     def _refuse(self, time: float, size: float) -> None:
-        """`InstanceFailure` where the step did not simply go through."""
+        """`InstanceFailure` where the step requests the end or event mode, or returned early."""
         where = f"{self.name}: step from t = {time:.9g} s by {size:.4g} s"
         if self._terminate.value:
             raise InstanceFailure(
-                f"{where}: the unit asks for the end of the simulation{self.said()}"
+                f"{where}: the FMU requests the end of the simulation{self.last_message()}"
             )
         if self._early.value:
             raise InstanceFailure(
-                f"{where}: the unit returned early, at t = {self._reached.value:.9g} s, which it"
-                " was not allowed to; export it without early return"
+                f"{where}: the FMU returned early, at t = {self._reached.value:.9g} s, which it"
+                " was not allowed to do; export it without early return"
             )
         if self._event.value:
             raise InstanceFailure(
-                f"{where}: the unit asks for event mode, which it was not given; export it so"
+                f"{where}: the FMU requests event mode, which it was not given; export it so"
                 " that it handles its events inside a step"
             )
 
@@ -133,12 +136,12 @@ class Fmi3Instance(InProcessInstance):
 
 @functools.cache
 def _logger() -> Any:
-    """The one callback of all units, there for the life of the process."""
+    """The one callback of all instances, kept until the process ends."""
     from fmpy.fmi3 import fmi3LogMessageCallback
 
-    return fmi3LogMessageCallback(_heard)
+    return fmi3LogMessageCallback(_log)
 
 
-def _heard(environment: int | None, status: int, category: bytes, message: bytes | None) -> None:
-    """Logger of all units of FMI 3."""
+def _log(environment: int | None, status: int, category: bytes, message: bytes | None) -> None:
+    """Logger of all instances of FMI 3."""
     route(environment, status, message)

@@ -6,8 +6,9 @@ import ctypes
 import itertools
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NoReturn
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -15,17 +16,46 @@ import numpy as np
 from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable
 from .base import STATUS, Instance, Values
-from .buffers import Block, blocks, reader, writer
+from .buffers import Block, blocks, is_too_wide, reader, too_wide, writer
 from .library import loaded, shared_library
 
 FATAL = 4
+SEND, STEP, RECEIVE_FIRST, RECEIVE, SAVE, RESTORE, FORGET, REFUSED, BEYOND = range(9)
+"""Which call of an instance has failed, as `loop.h` of the compiled loop numbers them."""
+
+STATE_VERBS = {SAVE: "Get", RESTORE: "Set", FORGET: "Free"}
+
+Calls = tuple[list[tuple[Block, int]], Values]
+
+
+@dataclass(frozen=True)
+class Binding:
+    """An instance for a caller in C: addresses of functions, and the blocks to call them with.
+
+    `flags` are the addresses of the results of an FMI 3 step, `states` those of get, set and free
+    of FMU states; `faults` counts error messages.
+    """
+
+    component: Any
+    do_step: int
+    faults: ctypes.c_int32
+    saved: int
+    flags: tuple[int, ...]
+    states: tuple[int, int, int]
+    set: Calls
+    get: list[Calls]
+
+
+def address(function: Any) -> int:
+    """Address of a function of a shared library."""
+    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
 
 
 class InProcessInstance(Instance):
     """An instance called through preallocated buffers.
 
-    Subclasses say how their version of FMI names and shapes its functions; `dtypes` are the
-    array types of the values that travel.
+    Subclasses define how their version of FMI names and shapes its functions; `dtypes` are the
+    array types of the values that are passed.
     """
 
     PREFIX: ClassVar[str]
@@ -36,16 +66,20 @@ class InProcessInstance(Instance):
         self._running = False
         self._instance: Any = None
         self._broken = False
-        self._why = ""
+        self._reason = ""
         self._saved = 0
         self._functions: dict[str, Any] = {}
+        self._do_step: Any = None
+        self._flags: tuple[int, ...] = ()
         self._library = loaded(interface, shared_library(interface, folder))
         self._instance = self._instantiate(folder)
         if not self._instance:
-            raise InstanceFailure(f"{name}: cannot be instantiated{self.said()}")
+            raise InstanceFailure(f"{name}: cannot be instantiated{self.last_message()}")
         self._send: Callable[[], int] = _nothing
         self._receive: list[Callable[[], int]] = []
         self._sent: list[Block] = []
+        self._given: Values = np.zeros(0)
+        self._read: list[tuple[list[Block], Values]] = []
         self._start: dict[str, float | str] = {}
 
     def _function(self, name: str, *types: Any, result: Any = ctypes.c_int) -> Any:
@@ -72,7 +106,7 @@ class InProcessInstance(Instance):
         """Call without arguments that gets or sets variables of one type."""
 
     def _set_starts(self, start: Mapping[str, float | str]) -> None:
-        """Set start values by name; arrays with what has been set of them before."""
+        """Set start values by name; other elements of an array keep what was set before."""
         self._start = {**self._start, **start}
         every = self.interface.variables.values()
         variables = [self.interface.variables[name] for name in start]
@@ -80,7 +114,7 @@ class InProcessInstance(Instance):
         for v in variables:
             if v.kind == "Binary" or (v.kind == "String" and v.extent > 1):
                 raise InstanceFailure(
-                    f"{self.name}: {v.name} is no number or text: it cannot be set"
+                    f"{self.name}: {v.name} is neither a number nor a text: it cannot be set"
                 )
             if v.kind == "String":
                 self._set_text(v, str(start[v.name]))
@@ -108,21 +142,22 @@ class InProcessInstance(Instance):
         outputs: list[list[Variable]],
         output_values: Values,
     ) -> None:
-        self._sent = blocks(inputs, self.dtypes)
+        self._sent, self._given = blocks(inputs, self.dtypes), input_values
         for block in self._sent:
             block.preset(self.interface.of("input"), self._start)
         self._send = writer(self._sent, input_values, lambda *what: self._bind("Set", *what))
         everything: list[Variable] = []
-        self._receive = []
+        self._receive, self._read = [], []
         for group in outputs:
             everything = everything + group
             made = blocks(everything, self.dtypes)
             values = output_values[: len(everything)]
             get = reader(self.name, made, values, lambda *what: self._bind("Get", *what))
             self._receive.append(get)
+            self._read.append((made, values))
 
     def read_whole_at_once(self) -> None:
-        self._receive = self._receive[-1:]
+        self._receive, self._read = self._receive[-1:], self._read[-1:]
 
     def send(self) -> None:
         if status := self._send():
@@ -140,7 +175,7 @@ class InProcessInstance(Instance):
 
     @abstractmethod
     def _advance(self, time: float, size: float) -> int:
-        """Status of one doStep; a saved state is said to be kept for a rollback."""
+        """Status of one doStep, which may be rolled back only while a state is saved."""
 
     def save(self) -> Any:
         state = ctypes.c_void_p()
@@ -157,6 +192,56 @@ class InProcessInstance(Instance):
         self._saved -= 1
         if not self._broken:
             self._call(self._state_function("Free"), ctypes.addressof(state))
+
+    def binding(self) -> Binding:
+        """What a caller in C needs: functions, blocks and buffers, all of them kept here."""
+        return Binding(
+            component=self._instance,
+            do_step=address(self._do_step),
+            faults=self._faults,
+            saved=self._saved,
+            flags=self._flags,
+            states=self._state_addresses(),
+            set=([(b, self._transfer("Set", b.kind)) for b in self._sent], self._given),
+            get=[
+                ([(b, self._transfer("Get", b.kind)) for b in made], values)
+                for made, values in self._read
+            ],
+        )
+
+    def explain(self, phase: int, status: int, time: float, size: float) -> NoReturn:
+        """Raise the `InstanceFailure` of a call that was made in C, by its place in the loop."""
+        if phase == BEYOND:
+            kinds = [b.kind for made, _ in self._read for b in made if is_too_wide(b)]
+            raise InstanceFailure(f"{self.name}: {too_wide(kinds[0])}")
+        if phase == REFUSED:
+            self._refuse(time, size)
+        if phase == SEND:
+            self._fail("setting inputs", status)
+        if phase in (RECEIVE, RECEIVE_FIRST):
+            self._fail("reading outputs", status)
+        if phase in STATE_VERBS:
+            self._fail(self._state_function(STATE_VERBS[phase]).__name__, status)
+        self._fail(f"step from t = {time:.9g} s by {size:.4g} s", status)
+        raise InstanceFailure(self._reason)
+
+    def _state_addresses(self) -> tuple[int, int, int]:
+        """Get, Set and Free of FMU states; zeros for an FMU that has none."""
+        if not self.interface.rollback:
+            return 0, 0, 0
+        get, put, free = (address(self._state_function(v)) for v in ("Get", "Set", "Free"))
+        return get, put, free
+
+    def _transfer(self, verb: str, kind: str) -> int:
+        """Address of the function that sets or gets one type."""
+        return address(self._transfer_function(verb, kind))
+
+    @abstractmethod
+    def _transfer_function(self, verb: str, kind: str) -> Any:
+        """The function that sets or gets variables of one type."""
+
+    def _refuse(self, time: float, size: float) -> None:
+        """`InstanceFailure` where a step that succeeded may not be taken."""
 
     @abstractmethod
     def _state_function(self, verb: str) -> Any:
@@ -176,7 +261,7 @@ class InProcessInstance(Instance):
 
     def _call(self, function: Any, *arguments: Any) -> None:
         if self._broken:
-            raise InstanceFailure(self._why)
+            raise InstanceFailure(self._reason)
         if status := function(self._instance, *arguments):
             self._fail(function.__name__, status)
 
@@ -185,8 +270,8 @@ class InProcessInstance(Instance):
             return
         self._broken = status >= FATAL
         label = STATUS[status] if 0 <= status < len(STATUS) else f"status {status}"
-        self._why = f"{self.name}: {what}: {label}{self.said()}"
-        raise InstanceFailure(self._why)
+        self._reason = f"{self.name}: {what}: {label}{self.last_message()}"
+        raise InstanceFailure(self._reason)
 
 
 _listeners: WeakValueDictionary[int, Instance] = WeakValueDictionary()
@@ -194,10 +279,10 @@ _numbers = itertools.count(1)
 
 
 def listen(instance: Instance) -> int:
-    """Number under which a unit's messages come back.
+    """Number that comes back with each message of an instance.
 
     fmpy's proxy for C varargs keeps one logger for the whole process, the last one given;
-    the environment handed to the instance is what still tells the units apart.
+    only the environment that is given to each instance still distinguishes them.
     """
     number = next(_numbers)
     _listeners[number] = instance
@@ -205,7 +290,7 @@ def listen(instance: Instance) -> int:
 
 
 def route(environment: int | None, status: int, message: bytes | None) -> None:
-    """Hand a message to the unit that it comes from."""
+    """Pass a message to the instance that it comes from."""
     instance = _listeners.get(environment or 0)
     if instance is not None:
         instance.log(status, (message or b"").decode("utf-8", "replace"))

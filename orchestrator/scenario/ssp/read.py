@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from ...errors import FmuError, ScenarioError, nearest, printable
+from ...errors import FmuError, Problems, ScenarioError, nearest, printable, renamed
 from ...fmi.archive import STRUCTURE, entries, extract, read_entry
 from ...fmi.description import Interface, Variable, read_interface
 from ...fmi.safe_xml import guarded
@@ -21,12 +21,12 @@ from ...units import UnitError, factor
 from .document import Document, Reader, Value
 from .flatten import Flat, Joint, flattened
 from .flatten import Path as Names
-from .names import ANNOTATION, REALS, WHOLE
+from .names import ANNOTATION, OLD_ANNOTATION, REALS, WHOLE
 
-KEYS = ("time", "master", "record", "metrics", "actions", "faults")
+KEYS = ("time", "master", "record", "metrics", "plot", "actions", "faults")
 """Tables of a scenario that our own annotation carries."""
 STOP = 1.0
-"""End of a run that names none [s], the usual one of FMI's tools."""
+"""End of a run where the archive names none [s], as in other FMI tools."""
 
 
 def read_ssp(path: Path, chosen: str = "") -> dict[str, Any]:
@@ -34,7 +34,7 @@ def read_ssp(path: Path, chosen: str = "") -> dict[str, Any]:
 
     `chosen` names a variant (`NAME.ssd` at the top level) or a parameter set (`NAME.ssv` under
     `resources`), which then overrides the parameters bound. Raises :class:`ScenarioError` with
-    what of the file cannot be taken over.
+    everything in the file that cannot be taken over.
     """
     try:
         return _tree(path, chosen)
@@ -59,8 +59,7 @@ def _tree(path: Path, chosen: str) -> dict[str, Any]:
     if extra:
         own = Reader(f"{path}: {extra}", fetch)
         _override(flat, list(own.parameters(fetch(extra))), f"{path}: {extra}")
-        if own.problems:
-            raise ScenarioError(f"{own.where}: {problem}" for problem in own.problems)
+        own.problems.check()
     folder = _unpacked(path)
     files = {p: folder / _inside(where, c.source, names) for p, c in flat.components.items()}
     return _scenario(where, document, flat, files)
@@ -81,7 +80,7 @@ def _choice(path: Path, names: list[str], chosen: str) -> tuple[str, str]:
 
 
 def _inside(where: str, source: str, names: list[str]) -> str:
-    """Entry of the archive that an address names; nothing outside of it is looked at."""
+    """Entry of the archive that an address names; nothing outside the archive is read."""
     parts = urlsplit(source)
     name = unquote(parts.path)
     if parts.scheme or parts.netloc or name not in names:
@@ -101,7 +100,7 @@ def _schema() -> Any:
 
 
 def _validate(where: str, root: Any) -> None:
-    """Hold a description of version 1 against its schema; 2.0 has one that fmpy has not."""
+    """Check a description of version 1 against its schema; fmpy has no schema of 2.0."""
     if (root.get("version") or "").startswith("1.") and not _schema().validate(root):
         fault = _schema().error_log[0]
         raise ScenarioError(f"{where}: line {fault.line}: {printable(fault.message)}")
@@ -120,7 +119,7 @@ def _override(flat: Flat, values: list[Value], where: str) -> None:
         else:
             known = [".".join(path) for path in flat.components]
             raise ScenarioError(
-                f"{where}: parameter {printable(value.name)!r} is of no component;"
+                f"{where}: parameter {printable(value.name)!r} does not belong to a component;"
                 f" {nearest(parts[0], known)}"
             )
 
@@ -158,14 +157,13 @@ def _scenario(
     known = {file: read_interface(file) for file in dict.fromkeys(files.values())}
     interfaces = {path: known[file] for path, file in files.items()}
     titles = _identifiers(where, flat)
-    problems: list[str] = []
+    problems = Problems(where)
     components: dict[str, Any] = {}
     for path, file in files.items():
         start = _starts(".".join(path), interfaces[path], flat.values[path], problems)
         components[titles[path]] = {"fmu": str(file), "start": start}
     wires = [_wire(joint, titles, interfaces, problems) for joint in flat.joints]
-    if problems:
-        raise ScenarioError(f"{where}: {problem}" for problem in dict.fromkeys(problems))
+    problems.check()
     fed = {wire["to"] for wire in wires}
     hold = {}
     for path, interface in interfaces.items():
@@ -188,17 +186,21 @@ def _scenario(
 
 
 def _annotated(where: str, document: Document) -> dict[str, Any]:
-    """What a scenario of ours has said beside SSP."""
-    text = document.annotations.get(ANNOTATION)
+    """Tables of the scenario that our own annotation carries beside SSP."""
+    kind = ANNOTATION
+    if kind not in document.annotations and OLD_ANNOTATION in document.annotations:
+        kind = OLD_ANNOTATION
+        renamed(f"{where}: the annotation {OLD_ANNOTATION}", f"{ANNOTATION}; export it again")
+    text = document.annotations.get(kind)
     if text is None:
         return {}
     try:
-        said = json.loads(text)
+        tables = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ScenarioError(f"{where}: the annotation {ANNOTATION} is no JSON ({error})") from None
-    if not isinstance(said, dict):
-        raise ScenarioError(f"{where}: the annotation {ANNOTATION} is no table")
-    return {key: said[key] for key in KEYS if key in said}
+        raise ScenarioError(f"{where}: the annotation {kind} is not JSON ({error})") from None
+    if not isinstance(tables, dict):
+        raise ScenarioError(f"{where}: the annotation {kind} is not a table")
+    return {key: tables[key] for key in KEYS if key in tables}
 
 
 def _identifiers(where: str, flat: Flat) -> dict[Names, str]:
@@ -214,7 +216,7 @@ def _identifiers(where: str, flat: Flat) -> dict[Names, str]:
 
 
 def _starts(
-    owner: str, interface: Interface, values: dict[str, Value], problems: list[str]
+    owner: str, interface: Interface, values: dict[str, Value], problems: Problems
 ) -> dict[str, float | str | bool]:
     """Start values as the FMU takes them: in its units, choices by name."""
     settable = {v.name: v for v in interface.of("parameter", "input", "structuralParameter")}
@@ -223,12 +225,12 @@ def _starts(
         where = f"parameter {printable(f'{owner}.{name}')}"
         variable = settable.get(name)
         if variable is None:
-            problems.append(f"{where}: the FMU has none to be set; {nearest(name, settable)}")
+            problems.add(where, f"the FMU has no such parameter to set; {nearest(name, settable)}")
             continue
         try:
             starts[name] = _start(variable, value)
         except (UnitError, ValueError) as error:
-            problems.append(f"{where}: {error}")
+            problems.add(where, error)
     return starts
 
 
@@ -238,36 +240,35 @@ def _start(variable: Variable, value: Value) -> float | str | bool:
         if isinstance(given, float) and int(given) in variable.codes:
             return variable.choices[variable.codes.index(int(given))]
         if given not in variable.choices:
-            raise ValueError(
-                f"{printable(str(given))!r} is no choice; {nearest(str(given), variable.choices)}"
-            )
+            hint = nearest(str(given), variable.choices)
+            raise ValueError(f"{printable(str(given))!r} is not a choice; {hint}")
         return str(given)
     if variable.kind == "Boolean":
         return given if isinstance(given, bool) else given in {1.0, "true", "1"}
     if not variable.numeric:
         return str(given)
     if isinstance(given, bool) or value.kind not in (*REALS, *WHOLE):
-        raise ValueError(f"is a {value.kind}, the FMU wants a {variable.kind}")
+        raise ValueError(f"is a {value.kind}, the FMU takes a {variable.kind}")
     scale = factor(value.unit, variable.unit) if value.unit and variable.unit else 1.0
     return float(given) * scale
 
 
 def _wire(
-    joint: Joint, titles: dict[Names, str], interfaces: dict[Names, Interface], problems: list[str]
+    joint: Joint, titles: dict[Names, str], interfaces: dict[Names, Interface], problems: Problems
 ) -> dict[str, Any]:
     ends = []
     for (path, name), causality in ((joint.source, "output"), (joint.target, "input")):
         if path not in titles:
-            problems.append(
-                f"a connection ends at {printable('.'.join(path))}, which is no element"
+            problems.add(
+                "connection", f"ends at {printable('.'.join(path))}, which is not an element"
             )
             return {"from": "", "to": ""}
         variable = interfaces[path].variables.get(name)
         if variable is None or variable.causality != causality:
             known = [v.name for v in interfaces[path].of(causality)]
-            problems.append(
-                f"{printable('.'.join([*path, name]))} is no {causality} of its FMU;"
-                f" {nearest(name, known)}"
+            problems.add(
+                printable(".".join([*path, name])),
+                f"is not an {causality} of its FMU; {nearest(name, known)}",
             )
             return {"from": "", "to": ""}
         ends.append((f"{titles[path]}.{name}", variable))
@@ -277,9 +278,9 @@ def _wire(
         try:
             gain /= factor(output.unit, input_.unit)
         except UnitError:
-            problems.append(
-                f"{printable(source)} [{output.unit}] -> {printable(target)} [{input_.unit}]: units"
-                " of another kind cannot be connected, converted or not"
+            problems.add(
+                f"{printable(source)} [{output.unit}] -> {printable(target)} [{input_.unit}]",
+                "units of another kind cannot be connected, converted or not",
             )
     return {"from": source, "to": target, "gain": gain, "offset": joint.offset}
 
@@ -287,7 +288,7 @@ def _wire(
 def _held(
     title: str, interface: Interface, fed: set[str], starts: dict[str, Any]
 ) -> dict[str, float | str | bool]:
-    """Inputs that nothing feeds, at what they start with: as SSP has it."""
+    """Inputs that nothing feeds, held at their start values, as SSP defines it."""
     held: dict[str, float | str | bool] = {}
     for variable in interface.of("input"):
         first = interface.port(variable.port, "input")[0] if variable.port else variable

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import printable
-from ..output_files import save_figure, write_records
+from ...report.image import save_figure
+from ..output_files import write_records
 from .classification import CLASSES, Trial
 from .study import Study
 
@@ -45,7 +46,7 @@ def table(study: Study) -> Table:
 
 
 def legend() -> str:
-    """What the letters mean."""
+    """The meaning of each letter, in one line."""
     return "; ".join(f"{LETTERS[kind]} {kind}: {meaning}" for kind, meaning in CLASSES.items())
 
 
@@ -57,12 +58,12 @@ def _rows(study: Study) -> list[tuple[tuple[str, str], list[Trial]]]:
 
 
 def write(study: Study, path: Path) -> Path:
-    """Every trial as a line of CSV; a text that a spreadsheet would compute is quoted away."""
+    """Write every trial as a line of CSV; a text that a spreadsheet would compute is quoted."""
     return write_records([asdict(trial) for trial in study.trials], path)
 
 
 def draw(study: Study, path: Path) -> Path:
-    """Heat maps, one for each method: cases down, steps across, coloured by class."""
+    """Draw heat maps, one for each method: cases down, steps across, coloured by class."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -94,4 +95,7 @@ def draw(study: Study, path: Path) -> Path:
     handles = [Patch(color=COLOURS[kind], label=f"{kind}: {CLASSES[kind]}") for kind in kinds]
     figure.legend(handles=handles, loc="lower center", ncols=2, fontsize=7)
     figure.tight_layout(rect=(0.0, 0.6 / (1.5 + 0.22 * len(cases)), 1.0, 1.0))
-    return save_figure(figure, path, 130)
+    try:
+        return save_figure(figure, path, 130)
+    finally:
+        pyplot.close(figure)

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import json
 import math
-import os
 import re
 from pathlib import Path
 from typing import IO, Any
 
 from ...errors import OutputError
+from ..run_cache import RunCache
 from .points import Point, Record
 
 LOCK = "lock"
 _POINT = re.compile(r"\.?[0-9a-f]{32}\.(?:json|part)")
 
 
-class Folder:
+class Checkpoint:
     """`TARGET.points`: one JSON file for each finished point, named by the point's key.
 
     A context manager that holds the folder for one sweep at a time.
@@ -26,9 +24,10 @@ class Folder:
 
     def __init__(self, target: Path) -> None:
         self.path = target.with_name(f"{target.name}.points")
+        self._cache = RunCache(self.path)
         self._lock: IO[bytes] | None = None
 
-    def __enter__(self) -> Folder:
+    def __enter__(self) -> Checkpoint:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             self._lock = (self.path / LOCK).open("wb")
@@ -50,38 +49,25 @@ class Folder:
             self._lock.close()
 
     def read(self, point: Point) -> Record | None:
-        """What became of a point; None where that is not known, or no longer readable."""
+        """The record of a point; None where there is none, or where it is no longer readable."""
         try:
-            text = (self.path / f"{point.key}.json").read_text(encoding="utf-8")
-            content = json.loads(text)
-            known = content["record"]
-            if content["sha256"] != _digest(content["point"], known):
-                return None
-            return record_of(known)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            found = self._cache.read(point.key)
+            return None if found is None else record_of(found["record"])
+        except (ValueError, KeyError, TypeError, AttributeError):
             return None
 
     def write(self, point: Point, record: Record) -> None:
-        """Keep what became of a point; it survives a kill once this returns."""
-        waiting, target = self.path / f".{point.key}.part", self.path / f"{point.key}.json"
-        known = plain(record)
+        """Write the record of a point, which survives a kill once this returns."""
         named = dict(zip(point.names, point.values, strict=True))
-        content = {"point": named, "record": known, "sha256": _digest(named, known)}
         try:
-            with waiting.open("w", encoding="utf-8") as file:
-                json.dump(content, file, indent=1)
-                file.flush()
-                os.fsync(file.fileno())
-            waiting.replace(target)
-            _settle(self.path)
-        except OSError as error:
+            self._cache.write(point.key, {"point": named, "record": plain(record)})
+        except OutputError as error:
             raise OutputError(
-                f"{target}: cannot be written ({error.strerror}); make room and sweep again:"
-                " the points before it are kept"
+                f"{error}; make room and sweep again: the points before it are kept"
             ) from None
 
     def remove(self) -> None:
-        """Take all points away, and the folder where nothing else is in it."""
+        """Remove all points; the folder goes on exit where nothing else is in it."""
         with contextlib.suppress(OSError):
             for entry in self.path.iterdir():
                 if _POINT.fullmatch(entry.name):
@@ -89,7 +75,7 @@ class Folder:
 
 
 def plain(record: Record) -> dict[str, Any]:
-    """A record as JSON has it; a metric that is no finite number is null."""
+    """A record as JSON; a metric that is not a finite number is null."""
     metrics = [[n, v if math.isfinite(v) else None, u] for n, v, u in record.metrics]
     return {
         "status": record.status,
@@ -101,23 +87,22 @@ def plain(record: Record) -> dict[str, Any]:
 
 
 def record_of(known: dict[str, Any]) -> Record:
-    """The record behind its JSON, or behind a worker's answer."""
+    """The record of its JSON, or of a worker's answer."""
     metrics = tuple(
         (str(name), math.nan if value is None else float(value), str(unit))
         for name, value, unit in known["metrics"]
     )
     return Record(
-        *(str(known["status"]), str(known["reason"]), metrics),
-        *(float(known["wall_time"]), int(known["steps"])),
+        status=str(known["status"]),
+        reason=str(known["reason"]),
+        metrics=metrics,
+        wall_time=float(known["wall_time"]),
+        steps=int(known["steps"]),
     )
 
 
-def _digest(*content: Any) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
-
-
 def _locked(file: IO[bytes]) -> bool:
-    """Take a lock that ends with the process; where there are no locks, go without."""
+    """Take a lock that ends with the process; true too where the system has no locks."""
     try:
         import fcntl
     except ImportError:
@@ -129,14 +114,3 @@ def _locked(file: IO[bytes]) -> bool:
     except OSError:
         return True
     return True
-
-
-def _settle(folder: Path) -> None:
-    """Have a rename reach the disk, where folders can be synchronised."""
-    if not hasattr(os, "O_DIRECTORY"):
-        return
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

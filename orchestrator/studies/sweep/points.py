@@ -1,4 +1,4 @@
-"""Points of a sweep: what is asked of a worker, and what it answers."""
+"""Points of a sweep: the tasks of workers, and their answers."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
-from ...errors import InputError, ScenarioError, SimulationError, printable
+from ...errors import ScenarioError
 from ...scenario.plan import Plan
+from ..workers.task import RunFailed, answered
 from .axes import Axis
 
 MOST_PROBLEMS = 20
@@ -31,10 +31,10 @@ class Setting:
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a sweep. `place` is where it stands on the axes, in the FMUs' units.
+    """One run of a sweep. `place` are its coordinates on the axes, in the FMUs' units.
 
-    `key` digests the resolved scenario, the FMU files and Resilin's version: a result under it
-    is the result of this very run.
+    `key` digests the resolved scenario, the FMU files and Resilin's version: a result with the
+    same key is the result of the same run.
     """
 
     setting: Setting
@@ -47,7 +47,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Record:
-    """What became of a point: `done` with its metrics (name, value, unit), or `failed`."""
+    """The result of a point: `done` with its metrics (name, value, unit), or `failed`."""
 
     status: str
     reason: str = ""
@@ -62,7 +62,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Coordinate:
-    """What the points' place on one axis means: name, unit, and whether it is a number."""
+    """What a place on one axis means: name, unit, and whether it is a number."""
 
     name: str
     unit: str
@@ -73,7 +73,7 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Grid:
-    """All points of the axes' product, checked; the plan of the first one speaks for all."""
+    """All points of the axes' product, checked; `plan` is that of the first one."""
 
     setting: Setting
     plan: Plan
@@ -82,7 +82,7 @@ class Grid:
 
 
 def planned(setting: Setting, axes: Sequence[Axis], check: Callable[[], None]) -> Grid:
-    """Load the plan of every point; `ScenarioError` with all their problems, each told once."""
+    """Load the plan of every point; `ScenarioError` with all their problems, each once."""
     problems: dict[str, None] = {}
     points: list[Point] = []
     first: Plan | None = None
@@ -152,47 +152,32 @@ def _coordinate(plan: Plan, name: str) -> Coordinate:
 
 
 def calculate(point: Point) -> dict[str, Any]:
-    """Run one point: the task of a worker. What goes wrong with the run is in the answer.
+    """Run one point: the task of a worker. The reason of a failure is in the answer.
 
-    `unfit` in the answer says that the worker could not take up this very point: it lacks
-    files, or has others than the sweep was planned with.
+    `unfit` in the answer is why the worker could not run this point: it lacks files, or has others
+    than those that the sweep was planned with.
     """
     from ...results.metrics import metrics
-    from ...results.netcdf import dataset
     from ...simulation.run import run
 
-    begun = perf_counter()
-    try:
+    def work() -> dict[str, Any]:
         plan = _plan(point.setting, dict(zip(point.names, point.values, strict=True)))
         if unfit := _difference(point, plan):
             return {"unfit": unfit}
         outcome = run(plan, estimate=False)
         if outcome.failure is not None:
-            return _failed(str(outcome.failure), begun, outcome.steps)
-        found = metrics(dataset(outcome), plan.scenario.metrics.cycles)
-    except InputError as error:
-        return {"unfit": str(error)}
-    except SimulationError as error:
-        return _failed(str(error), begun)
-    except Exception as error:
-        return _failed(f"{type(error).__name__}: {error}", begun)
-    return {
-        "status": "done",
-        "reason": "",
-        "metrics": [[metric.name, metric.value, metric.unit] for metric in found],
-        "wall_time": perf_counter() - begun,
-        "steps": outcome.steps,
-    }
+            raise RunFailed(str(outcome.failure), outcome.steps)
+        found = metrics(outcome)
+        return {
+            "metrics": [[metric.name, metric.value, metric.unit] for metric in found],
+            "steps": outcome.steps,
+        }
 
-
-def _failed(reason: str, begun: float, steps: int = 0) -> dict[str, Any]:
-    told = printable(reason.replace("\n", "; "), most=900)
-    spent = perf_counter() - begun
-    return {"status": "failed", "reason": told, "metrics": [], "wall_time": spent, "steps": steps}
+    return answered(work, {"metrics": []})
 
 
 def _difference(point: Point, plan: Plan) -> str:
-    """How what a worker has differs from what the point was planned with; or nothing."""
+    """How a worker's files differ from those that the point was planned with; empty if not."""
     key, release = _identity(plan)
     if release != point.release:
         return f"has resilin {release}, the sweep is of {point.release}; install the same"

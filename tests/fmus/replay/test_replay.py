@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,7 @@ from orchestrator.errors import InitialisationError, SimulationError
 from orchestrator.fmi.description import read_interface
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
+from tests.processes import python
 
 runner = CliRunner()
 HOME = Path(fmus.__file__).parent / "replay"
@@ -143,7 +143,7 @@ def test_where_the_record_ends_the_run_stops(
 
 
 def test_a_replay_takes_the_place_of_a_part(library: Path, tmp_path: Path) -> None:
-    """Wires into the amplifier, its holds and its records are let go of, as with a file."""
+    """Wires into the amplifier, its holds and its records are dropped, as with a file."""
     scenario = tmp_path / "scenario.toml"
     scenario.write_text('extends = "oscillator-1"\n[components.amplifier]\nfmu = "replay"\n')
     plan = load(scenario, None, library, time={"stop": "20 cycles"})
@@ -216,7 +216,7 @@ def test_what_is_too_long_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_large_table_is_in_the_library_itself(tmp_path: Path) -> None:
-    """Above a megabyte numba would leave an address of the process that compiled it."""
+    """40 000 rows: they are compiled in, and another process plays them."""
     path = tmp_path / "large.csv"
     t = np.arange(40_000) * 1e-3
     np.savetxt(path, np.column_stack([t, np.sin(t)]), delimiter=",", header="time,y", comments="")
@@ -229,9 +229,7 @@ def test_a_large_table_is_in_the_library_itself(tmp_path: Path) -> None:
         " output_interval=3.0)\n"
         "print(*t['y'])"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(built.path)], capture_output=True, text=True
-    )
+    done = subprocess.run(python("-c", script, built.path), capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     values = [float(word) for word in done.stdout.split()]
     assert values == pytest.approx(np.sin([30.0, 33.0, 36.0, 39.0]).tolist(), abs=1e-6)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -15,11 +14,12 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.scenario.files import scenario_names, scenario_path
+from tests.processes import python
 
 runner = CliRunner()
 
 
-def test_run_writes_result_picture_and_table(library: Path, tmp_path: Path) -> None:
+def test_run_writes_result_plot_and_table(library: Path, tmp_path: Path) -> None:
     target = tmp_path / "out" / "flap.nc"
     done = runner.invoke(
         app,
@@ -51,7 +51,7 @@ def test_a_failed_run_leaves_a_partial_file_only(library: Path, tmp_path: Path) 
     assert sorted(p.name for p in tmp_path.iterdir()) == ["flap.partial.nc"]
 
 
-def test_scenes_are_listed() -> None:
+def test_scenarios_are_listed() -> None:
     done = runner.invoke(app, ["scenarios"])
     assert done.exit_code == 0
     assert "flapping-full-wings" in done.output
@@ -76,7 +76,7 @@ def test_help_is_light() -> None:
         "try:\n    main()\nexcept SystemExit:\n    pass\n"
         f"print([m for m in {heavy!r} if m in sys.modules], file=sys.stderr)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run(python("-c", code), capture_output=True, text=True, check=True)
     assert "Example:" in done.stdout
     assert done.stderr.strip() == "[]"
 
@@ -117,15 +117,16 @@ def test_plot_draws_what_matches(library: Path, tmp_path: Path) -> None:
     wrong = runner.invoke(app, ["plot", str(target), "--variable", "payload.displacment"])
     assert wrong.exit_code == 2
     assert "did you mean 'payload.displacement'" in wrong.output
-    for bad in ("e.docx", "none/e.png"):
+    (tmp_path / "file").write_text("")
+    for bad in ("e.docx", "file/e.png"):
         refused = runner.invoke(app, ["plot", str(target), "--output", str(tmp_path / bad)])
         assert refused.exit_code == 2, refused.output
-        assert "cannot be drawn" in refused.output
+        assert "cannot be written" in refused.output
     assert runner.invoke(app, ["plot", str(tmp_path / "none.nc")]).exit_code == 2
 
 
 def test_schema_accepts_every_shipped_scenario() -> None:
-    """The schema is for editors, so it has to fit the scenarios that there are."""
+    """The schema is for editors, so every shipped scenario must fit it."""
     schema = json.loads(runner.invoke(app, ["schema"]).stdout)
     for name in scenario_names():
         tree = tomllib.loads(scenario_path(name).read_text(encoding="utf-8"))

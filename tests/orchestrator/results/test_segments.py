@@ -1,12 +1,7 @@
-"""Long runs on disk: closed pieces, a kill, one whole file at the end."""
+"""Long runs on disk: closed pieces, a killed run, one whole file at the end."""
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +14,7 @@ from orchestrator.results.segments import found
 from orchestrator.simulation.load import load
 from orchestrator.simulation.observers import Recorder
 from orchestrator.simulation.run import run
+from tests.processes import python, started, until
 
 SPAN = {"stop": "30 cycles"}
 
@@ -55,7 +51,7 @@ def test_an_estimate_reaches_into_segments(library: Path, tmp_path: Path, small:
     assert done.estimates == plain.estimates
 
 
-def test_a_damaged_segment_is_told(library: Path, tmp_path: Path, small: None) -> None:
+def test_a_damaged_segment_is_refused(library: Path, tmp_path: Path, small: None) -> None:
     plan = load("oscillator-1", None, library, time=SPAN)
     target = tmp_path / "long.nc"
     done = run(plan, segments=segments_for(plan, target))
@@ -81,27 +77,21 @@ def test_segments_of_another_run_are_not_touched(
 
 
 def test_a_killed_run_can_be_recovered(library: Path, tmp_path: Path) -> None:
-    """kill -9 in mid-run: what was closed is there, and says that it is not complete."""
+    """kill -9 in mid-run: the closed segments are there, and the file is marked as incomplete."""
     target = tmp_path / "long.nc"
     code = f"""
-from orchestrator.observers import Recorder
-from orchestrator.results import segments_for
-from orchestrator.loading import load
-from orchestrator.simulation import run
+from orchestrator.simulation.observers import Recorder
+from orchestrator.results.netcdf import segments_for
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
 from pathlib import Path
 Recorder.SEGMENT = 1
 plan = load("oscillator-1", None, Path({str(library)!r}), time={{"stop": "100000 cycles"}})
 run(plan, segments=segments_for(plan, Path({str(target)!r})))
 """
-    process = subprocess.Popen([sys.executable, "-c", code])
     folder = folder_of(target)
-    try:
-        limit = time.monotonic() + 60.0
-        while time.monotonic() < limit and len(list(folder.glob("*.nc"))) < 5:
-            time.sleep(0.05)
-    finally:
-        os.kill(process.pid, signal.SIGKILL)
-        process.wait()
+    with started(python("-c", code)) as process:
+        until(lambda: len(list(folder.glob("*.nc"))) >= 5, process)
     closed = len(found(folder).digests)
     assert closed >= 4
     path, rows = recover(folder)
@@ -114,13 +104,13 @@ run(plan, segments=segments_for(plan, Path({str(target)!r})))
         assert np.all(np.diff(data["time"].values) > 0.0)
 
 
-def test_nothing_to_recover_is_told(tmp_path: Path) -> None:
+def test_nothing_to_recover_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no segments of a run here"):
         recover(tmp_path / "none.segments")
 
 
 def test_last_stretch_and_decimation(library: Path) -> None:
-    """The last two of four cycles, every third row; steps are not changed by it."""
+    """The last two of four cycles, every third row; the steps do not change."""
     record = {"last": "2 cycles", "every": 3}
     whole = run(load("oscillator-1", None, library, time={"stop": "4 cycles"}))
     plan = load("oscillator-1", None, library, time={"stop": "4 cycles"}, record=record)
