@@ -1,7 +1,7 @@
 """Each part replaced by its own recording: how far the other parts are then from the whole run.
 
-`python benchmarks/recordings.py` prints the tables of docs/recordings.md: the largest difference
-of a variable of the other parts, relative to its largest value.
+`python benchmarks/recordings.py` prints the tables of docs/reference/recordings.md: the largest
+difference of a variable of the other parts, relative to its largest value.
 """
 
 from __future__ import annotations

@@ -139,7 +139,7 @@ def usual(connections: list[Connection]) -> str:
 
     Where two components feed each other only bare numbers, holding these is of first order and
     feeds energy into the motion: extrapolated. With laws, or without feedback, Gauss-Seidel is of
-    second order at least cost. See docs/coupling.md.
+    second order at least cost. See docs/reference/coupling.md.
     """
     pairs = {(c.source, c.target) for c in connections}
     lawful = {frozenset((c.source, c.target)) for c in connections if c.input.order}
