@@ -5,7 +5,7 @@ SCENARIO ?= flapping-full-wings
 
 COFMPY := $(VENV)/cofmpy
 
-.PHONY: run test lint slow bench clean
+.PHONY: run test lint slow bench docs clean
 
 run: $(VENV)/ready
 	$(BIN)/python build_fmus.py
@@ -27,6 +27,14 @@ bench: $(VENV)/ready
 	$(BIN)/python build_fmus.py
 	$(BIN)/python benchmarks/coupling.py
 
+docs: $(VENV)/docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "site/index.html opens offline"
+
+$(VENV)/docs: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+	touch $@
+
 $(VENV)/ready: pyproject.toml constraints.txt
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed')"
 	$(PYTHON) -m venv $(VENV)
@@ -42,4 +50,4 @@ $(COFMPY)/ready: $(VENV)/ready docs/recipes/cofmpy.txt
 	touch $@
 
 clean:
-	rm -rf $(VENV) build results *.egg-info
+	rm -rf $(VENV) build results site *.egg-info

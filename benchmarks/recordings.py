@@ -1,7 +1,7 @@
 """Each part replaced by its own recording: how far the other parts are then from the whole run.
 
-`python benchmarks/recordings.py` prints the tables of docs/recordings.md: the largest difference
-of a variable of the other parts, relative to its largest value.
+`python benchmarks/recordings.py` prints the tables of docs/reference/recordings.md: the largest
+difference of a variable of the other parts, relative to its largest value.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from orchestrator.results.outcome import Outcome
 from orchestrator.results.port_recording import with_recorded_ports, write_port_recording
-from orchestrator.scenario.plan import LIBRARY
+from orchestrator.scenario.library import LIBRARY
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 

@@ -2,7 +2,7 @@
 
     python benchmarks/peers --scenario flapping-full-wings --tools ecos,fmpy.ssp --budget 30
 
-What each tool does with Resilin's FMUs, and figures of a whole run: docs/peers.md.
+What each tool does with Resilin's FMUs, and figures of a whole run: docs/reference/peers.md.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from orchestrator.scenario.plan import LIBRARY
+from orchestrator.scenario.library import LIBRARY
 
 from .case import Case
 from .figures import judge

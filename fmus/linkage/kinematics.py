@@ -3,7 +3,7 @@
 The crank turns about the origin; the slider moves along y at x = -offset. In the neutral
 pose (slider displacement 0) the crank is perpendicular to the slider's axis and the conrod
 parallel to it; the coupler is perpendicular to the arm and to the rocker. Which of the five
-printed lengths is which, and this pose, are inferred (docs/model.md).
+printed lengths is which, and this pose, are inferred (docs/reference/model.md).
 """
 
 from __future__ import annotations

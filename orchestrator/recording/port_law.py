@@ -1,7 +1,7 @@
 """Members of a recorded port beyond its columns: rates, curvatures, and when it holds.
 
-The conventions are those of docs/coupling.md. Over the step of size h that ends at t, with s
-counted from t,
+The conventions are those of docs/reference/coupling.md. Over the step of size h that ends at t,
+with s counted from t,
 
     y(t + s)   = y + y' s + k s^2,    k = 3 (mean(y) - y + y' h / 2) / h^2,
     y^2(t + s) = y^2 + 2 y y' s + k s^2,    k = 3 (mean(y^2) - y^2 + y y' h) / h^2,

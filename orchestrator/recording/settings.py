@@ -20,7 +20,7 @@ class Table(BaseModel):
 
 
 class RecordingSettings(Table):
-    """The file `data` and how it is read: docs/recordings.md lists the keys.
+    """The file `data` and how it is read: docs/reference/recordings.md lists the keys.
 
     `memory` limits the size of the file; `before` and `after` set the values outside the record,
     `repeat` continues it periodically.

@@ -45,7 +45,7 @@ class Component(RecordingSettings):
 
     `isolate` puts it into a process of its own, or keeps it out of one; there `patience` is the
     time that one call may take, and `memory` what it may allocate. A recording is the file `data`
-    with the keys of docs/recordings.md; `memory` is how large it may be.
+    with the keys of docs/reference/recordings.md; `memory` is how large it may be.
     """
 
     fmu: Text | None = None

@@ -1,4 +1,4 @@
-"""The value of a port's law at a point, by the conventions of docs/coupling.md.
+"""The value of a port's law at a point, by the conventions of docs/reference/coupling.md.
 
 Each function takes the members of a port by name, as a receiver has them on its inputs, and
 the receiver's own motion or voltage; members that are not wired count as zero, and a law without

@@ -1,4 +1,4 @@
-"""The benchmark against other tools: each installed one steps as docs/peers.md describes."""
+"""The benchmark against other tools: each installed one steps as docs/reference/peers.md has it."""
 
 from __future__ import annotations
 

@@ -112,6 +112,6 @@ def test_the_container_is_a_part_of_ours(
 
 
 def test_the_document_names_every_recipe() -> None:
-    text = (RECIPES.parent / "exchange.md").read_text(encoding="utf-8")
+    text = (RECIPES.parent / "reference" / "exchange.md").read_text(encoding="utf-8")
     for path in RECIPES.glob("with_*.py"):
         assert f"recipes/{path.name}" in text

@@ -53,7 +53,7 @@ def test_every_number_has_a_mark_and_a_place() -> None:
 
 
 def test_what_was_calibrated_on_is_no_prediction() -> None:
-    """Five numbers of figure 11 were fitted; docs/model.md names the sixth as predicted."""
+    """Five numbers of figure 11 were fitted; the sixth is predicted: docs/reference/model.md."""
     kinds = {key: published_values.mark(key).kind for key in published_values.keys("figure11")}
     predicted = [key for key, kind in kinds.items() if kind == "predicted"]
     assert predicted == ["figure11.full_wings_stroke"]
