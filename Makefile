@@ -1,7 +1,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-SCENARIO ?= flapping-full-wings
+SCENARIO ?= $(or $(SCENE),flapping-full-wings)
 
 COFMPY := $(VENV)/cofmpy
 

@@ -22,7 +22,7 @@ from rich.table import Table
 
 from orchestrator.fmi import instance
 from orchestrator.results.outcome import Outcome
-from orchestrator.scenario.plan import LIBRARY
+from orchestrator.scenario.library import LIBRARY
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from orchestrator.studies.reference.monolith import as_recorded, monolithic

@@ -22,11 +22,13 @@ import numpy as np
 from orchestrator.fmi.archive import extract
 from orchestrator.fmi.description import read_interface
 from orchestrator.fmi.instance import InProcessInstance, in_process
-from orchestrator.scenario.plan import LIBRARY, NATIVE
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import GaussSeidel
 from orchestrator.simulation.run import advance
 from orchestrator.simulation.system import System
+
+KINDS = (Path("build/fmus"), Path("build/native"))
+"""Folders of the Python and of the compiled parts."""
 
 STEPS = 200
 REPEATS = 9
@@ -97,10 +99,10 @@ def least(both: list[Callable[[], Any]]) -> list[float]:
 
 def parts() -> None:
     print(f"{'part':12} {'call':18} {'Python us':>10} {'native us':>10} {'ratio':>7}")
-    for fmu in sorted(NATIVE.glob("*.fmu")):
+    for fmu in sorted(KINDS[1].glob("*.fmu")):
         with tempfile.TemporaryDirectory() as folder:
             instances = []
-            for kind in (LIBRARY, NATIVE):
+            for kind in KINDS:
                 place = Path(folder) / kind.name
                 place.mkdir()
                 instances.append(loaded(kind / fmu.name, place))
@@ -120,7 +122,7 @@ def scenarios(names: tuple[str, ...]) -> None:
     for name in names:
         for count in PER_CYCLE:
             time = {"stop": f"{CYCLES} cycles", "step": {"per_cycle": count}}
-            plans = [load(name, None, kind, time=time) for kind in (LIBRARY, NATIVE)]
+            plans = [load(name, None, kind, time=time) for kind in KINDS]
             best = [0.0, 0.0]
             for _ in range(3):
                 for k, plan in enumerate(plans):

@@ -13,7 +13,7 @@ import numpy as np
 
 from orchestrator.results.outcome import Outcome
 from orchestrator.results.port_recording import with_recorded_ports, write_port_recording
-from orchestrator.scenario.plan import LIBRARY
+from orchestrator.scenario.library import LIBRARY
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 

@@ -20,7 +20,7 @@ from rich.table import Table
 
 from orchestrator.results.metrics import metrics
 from orchestrator.results.netcdf import dataset
-from orchestrator.scenario.plan import LIBRARY
+from orchestrator.scenario.library import LIBRARY
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 

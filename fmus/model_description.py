@@ -29,13 +29,15 @@ def model_description(
     version: str,
     variables: list[Variable],
     *,
+    sources: str = "",
     tool: str = "Resilin with PythonFMU",
     needs_execution_tool: bool = True,
 ) -> Element:
     """XML tree of `part`, exported under the class name `identifier`.
 
-    `variables` are the part's, with the start values of this build. `tool` and whether the
-    FMU needs one are all in which the two kinds of FMU differ.
+    `variables` are the part's, with the start values of this build. `sources` is the digest that
+    both kinds of FMU share where they are made of the same sources and start values; `tool` and
+    whether the FMU needs one are in what else the two kinds differ.
     Every variable has a unit and a description. Outputs are `calculated`, carry no start
     value, name the inputs they follow directly, and stand in InitialUnknowns too. The
     annotation of a port's member holds its order in the law (0 value, 1 affine,
@@ -60,6 +62,10 @@ def model_description(
     for name, meaning in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=meaning)
     SubElement(root, "DefaultExperiment", startTime="0.0", stepSize=repr(part.step))
+    if sources:
+        annotations = SubElement(root, "VendorAnnotations")
+        own = SubElement(annotations, "Tool", name="resilin")
+        SubElement(own, "Sources", digest=sources)
     listed = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
         listed.append(_scalar(part, reference, variable))

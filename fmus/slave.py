@@ -36,6 +36,7 @@ class PhysicsSlave(Fmi2Slave):
     part: Part
     changes: ClassVar[dict[str, float]] = {}
     digest = ""
+    sources = ""
     release = ""
 
     def __init__(self, **kwargs: Any) -> None:
@@ -63,7 +64,12 @@ class PhysicsSlave(Fmi2Slave):
         from .model_description import model_description
 
         return model_description(
-            self.part, type(self).__name__, self.digest, self.release, self._variables
+            self.part,
+            type(self).__name__,
+            self.digest,
+            self.release,
+            self._variables,
+            sources=self.sources,
         )
 
     def setup_experiment(

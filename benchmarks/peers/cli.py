@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from orchestrator.scenario.plan import LIBRARY
+from orchestrator.scenario.library import LIBRARY
 
 from .case import Case
 from .figures import judge

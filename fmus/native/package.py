@@ -45,18 +45,23 @@ def packed(
     part: Part,
     identifier: str,
     guid: str,
+    alike: str,
     version: str,
     starts: dict[str, float],
     platforms: list[str],
     into: Path,
 ) -> Path:
-    """Translate a part, compile it for each platform and pack `into/IDENTIFIER.fmu`."""
+    """Translate a part, compile it for each platform and pack `into/IDENTIFIER.fmu`.
+
+    `alike` is the digest of the sources and start values, the same as in the Python FMU.
+    """
     variables = part.variables_with(starts)
     files = sources(part, guid, variables, into / "sources")
     libraries(files, platforms, identifier, into / "binaries")
     root = model_description(
-        part, identifier, guid, version, variables, tool="Resilin", needs_execution_tool=False
-    )
+        part, identifier, guid, version, variables, sources=alike, tool="Resilin",
+        needs_execution_tool=False,
+    )  # fmt: skip
     listed = root.find("CoSimulation")
     assert listed is not None
     listed = SubElement(listed, "SourceFiles")

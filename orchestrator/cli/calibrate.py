@@ -25,7 +25,7 @@ def calibrate(
         bool, typer.Option(help="Fit again; else the shipped values are evaluated.")
     ] = True,
     fmus: common.Library = common.BUILT,
-    native: common.Native = False,
+    native: common.Native = None,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:

@@ -39,7 +39,11 @@ MethodTexts = Annotated[
 ]
 Library = Annotated[Path, typer.Option("--fmus", help="Folder of the built parts.")]
 Native = Annotated[
-    bool, typer.Option("--native", help="Take the parts from build/native: no Python in them.")
+    bool | None,
+    typer.Option(
+        "--native/--python",
+        help="Compiled parts only, or Python parts only; if neither, compiled where up to date.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts, nothing else.")]
 Html = Annotated[
@@ -53,8 +57,8 @@ Step = Annotated[
 Tolerance = Annotated[
     float | None, typer.Option(help="Let an error estimate choose the steps, as 1e-3.")
 ]
-BUILT = Path("build/fmus")
-COMPILED = Path("build/native")
+BUILT = Path("build")
+"""Where the build command puts parts of both kinds."""
 
 
 def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:
@@ -69,11 +73,13 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
     return changes
 
 
-def library(fmus: Path, native: bool) -> Path:
+def library(fmus: Path, native: bool | None) -> Path:
     """Folder in which a scenario's parts are found."""
-    if native and fmus != BUILT:
-        raise InputError("--native and --fmus both name the folder of the parts: give one")
-    return COMPILED if native else fmus
+    if native is None:
+        return fmus
+    if fmus != BUILT:
+        raise InputError("--native, --python and --fmus all name the folder of the parts: give one")
+    return BUILT / ("native" if native else "fmus")
 
 
 def methods(texts: list[str] | None) -> list[Method] | None:

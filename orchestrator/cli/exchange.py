@@ -34,7 +34,7 @@ def export(
     stop: common.Stop = None,
     step: common.Step = None,
     fmus: common.Library = common.BUILT,
-    native: common.Native = False,
+    native: common.Native = None,
     quiet: common.Quiet = False,
 ) -> None:
     """Write a scenario as an SSP archive: structure, parameters and FMUs, for other tools.

@@ -55,7 +55,7 @@ def fit(
         float, typer.Option(help="Share of fits whose interval is to contain the value.")
     ] = 0.95,
     fmus: common.Library = common.BUILT,
-    native: common.Native = False,
+    native: common.Native = None,
     output: Annotated[
         Path | None,
         typer.Option("--picture", help="PNG or SVG; results/NAME-fit.png if not given."),

@@ -33,10 +33,7 @@ def paper(
         int | None, typer.Option(min=1, help="Processes; as many as processors if not given.")
     ] = None,
     fmus: common.Library = common.BUILT,
-    native: Annotated[
-        bool | None,
-        typer.Option(help="Parts from build/native; by default if all parts are there."),
-    ] = None,
+    native: common.Native = None,
     pictures: Annotated[bool, typer.Option(help="Draw a PNG and an SVG of every figure.")] = True,
     json: common.Json = False,
     quiet: common.Quiet = False,
@@ -63,7 +60,7 @@ def paper(
 
     with Interrupt() as interrupt, common.reported():
         names = chosen(items or [])
-        parts = _library(fmus, native)
+        parts = common.library(fmus, native)
         prepare(output)
         runs = RunCache(output.with_name(f"{output.stem}.runs"))
         with CachedRuns(parts, runs, workers, interrupt.check, tell) as cached_runs:
@@ -80,14 +77,6 @@ def paper(
         typer.echo(f"resilin: {failure}", err=True)
     if found.failures:
         raise typer.Exit(1)
-
-
-def _library(fmus: Path, native: bool | None) -> Path:
-    """Folder of the parts: build/native if all are there and no option names another."""
-    if native is None and fmus == common.BUILT:
-        wanted = {"aero", "amplifier", "linkage", "membrane", "payload", "profile", "spring"}
-        native = wanted <= {path.stem for path in common.COMPILED.glob("*.fmu")}
-    return common.library(fmus, bool(native))
 
 
 def _report(found: Reproduction) -> None:

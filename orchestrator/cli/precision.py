@@ -49,7 +49,7 @@ def precision(
     set_: common.Sets = None,
     stop: common.Stop = None,
     fmus: common.Library = common.BUILT,
-    native: common.Native = False,
+    native: common.Native = None,
     html: common.Html = None,
     json: common.Json = False,
     quiet: common.Quiet = False,

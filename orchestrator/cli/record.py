@@ -29,7 +29,7 @@ def record(
     step: common.Step = None,
     tolerance: common.Tolerance = None,
     fmus: common.Library = common.BUILT,
-    native: common.Native = False,
+    native: common.Native = None,
     quiet: common.Quiet = False,
 ) -> None:
     """Run a scenario and keep the outputs of one part, as a recording that can take its place.

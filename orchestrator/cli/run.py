@@ -40,7 +40,7 @@ def run(
         typer.Option(help="Run again at half the step to estimate the error of the result."),
     ] = None,
     fmus: common.Library = common.BUILT,
-    native: common.Native = False,
+    native: common.Native = None,
     picture: Annotated[bool, typer.Option(help="Draw a PNG beside the result.")] = True,
     json: common.Json = False,
     quiet: common.Quiet = False,
@@ -180,6 +180,7 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
     for metric in found:
         table.add_row(metric.name, metric.shown)
     console.print(table)
+    compiled = [n for n, i in outcome.plan.interfaces.items() if i.ours and not i.needs_tool]
     speed = outcome.simulated / outcome.wall_time
     rejected = f" and {outcome.rejected} rejected" if outcome.rejected else ""
     console.print(
@@ -187,6 +188,8 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         f" {outcome.wall_time:.2f} s, {speed:.1f} times real time",
         highlight=False,
     )
+    if compiled:
+        console.print(f"compiled parts: {', '.join(compiled)} (--python for the others)")
     if outcome.plan.step_reason:
         console.print(f"auto: {outcome.plan.step_reason}", highlight=False)
     if outcome.estimates is not None:

@@ -40,7 +40,7 @@ def stability(
     ] = None,
     set_: common.Sets = None,
     fmus: common.Library = common.BUILT,
-    native: common.Native = False,
+    native: common.Native = None,
     html: common.Html = None,
     json: common.Json = False,
     quiet: common.Quiet = False,

@@ -42,7 +42,7 @@ def sweep(
         str | None, typer.Option(help='Metric whose peak gets more points, as "travel".')
     ] = None,
     fmus: common.Library = common.BUILT,
-    native: common.Native = False,
+    native: common.Native = None,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:

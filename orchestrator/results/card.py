@@ -32,8 +32,8 @@ def _lines(outcome: Outcome) -> Iterator[str]:
 
 
 def _metrics(outcome: Outcome) -> Iterator[Table]:
-    """The metrics, where there are any."""
-    found = metrics(outcome)
+    """The metrics, where there are rows to take them from."""
+    found = metrics(outcome) if len(outcome.times) else []
     if found:
         columns = [Column("metric"), Column("value", number=True)]
         rows = [[Cell(m.name), quantity(m.value, m.shown)] for m in found]

@@ -21,6 +21,7 @@ from .connections import Connection, check_all_fed, connections_of, held_of
 from .execution_order import order_of
 from .faults import Fault, faults_of
 from .files import is_file
+from .library import LIBRARY, built_part, missing_part
 from .metric_definitions import check_metrics
 from .schema import AUTO, Scenario
 from .start_values import starts_of
@@ -29,10 +30,6 @@ from .time_grid import Grid, frequency_of, grid_of, seconds
 
 if TYPE_CHECKING:
     from ..recording.recording import Recording
-
-LIBRARY = Path("build") / "fmus"
-NATIVE = Path("build") / "native"
-"""Folder of the same parts without Python in them."""
 
 
 @dataclass(frozen=True)
@@ -210,14 +207,14 @@ def fmu_path(name: str, scenario: Path, library: Path) -> Path:
     if name.endswith(".fmu") or "/" in name:
         given = Path(name)
         return given if given.is_absolute() else scenario.parent / given
-    return library / f"{name}.fmu"
+    return built_part(name, library)
 
 
 def interface_of(name: str, scenario: Path, library: Path) -> Interface:
     """Interface of a part by its name or of an FMU by its path; `FmuError` where there is none."""
     file = fmu_path(name, scenario, library)
-    if file.parent == library and not is_file(file):
-        raise FmuError(_missing_part(name, library))
+    if not (name.endswith(".fmu") or "/" in name) and not is_file(file):
+        raise FmuError(missing_part(name, file.parent))
     return read_interface(file)
 
 
@@ -275,14 +272,6 @@ def _interfaces(
                 continue
         interfaces[name] = known[file]
     return interfaces
-
-
-def _missing_part(name: str, library: Path) -> str:
-    built = [p.stem for p in library.glob("*.fmu")] if library.is_dir() else []
-    command = "resilin build --native" if library.name == NATIVE.name else "resilin build"
-    if not built:
-        return f"no part {name!r} in {library}, which holds no FMU; run: {command}"
-    return f"no part {name!r} in {library}; {nearest(name, built)} ({command} makes parts)"
 
 
 def _records(

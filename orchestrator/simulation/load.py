@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import Problems, ScenarioError
+from ..scenario.library import LIBRARY
 from ..scenario.parse import load_scenario
-from ..scenario.plan import LIBRARY, Plan, check
+from ..scenario.plan import Plan, check
 from ..scenario.schema import AUTO, MasterSettings, Scenario
 from .masters import master_class
 

@@ -6,11 +6,12 @@ import ast
 import os
 import re
 import subprocess
-import sys
 from math import pi, sqrt
 from pathlib import Path
 
 import pytest
+
+from tests.processes import python
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
@@ -82,7 +83,7 @@ def test_an_example_runs_and_its_figures_are_right(
     (tmp_path / "build").mkdir()
     (tmp_path / "build" / "fmus").symlink_to(library)
     done = subprocess.run(
-        [sys.executable, "-W", "error", str(example)],
+        python("-W", "error", example),
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,

@@ -92,12 +92,8 @@ class IsolatedInstance(Instance):
         raise (FmuError if kind == b"e" else InstanceFailure)(str(text))
 
     def _end_of_process(self) -> str:
-        """How the process ended, which has closed its pipe."""
-        try:
-            code = self._process.wait(CLOSING_TIME)
-        except subprocess.TimeoutExpired:
-            _kill(self._process)
-            code = self._process.wait()
+        """How the process ended, which has closed its pipe; the watch kills one that runs on."""
+        code = self._process.wait()
         if self._watch.fired:
             end = f"no answer within {self._watch.patience:g} s; its process was stopped"
         elif code < 0:

@@ -6,6 +6,8 @@ Rare are: signals, the progress bar, room for rows, timed actions, and the words
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
+from time import perf_counter
 from typing import Any, NoReturn
 
 from ...errors import Divergence
@@ -78,6 +80,22 @@ def drive_controlled(
     steps = drive.to_the_end()
     taken = drive.layout.taken[: drive.control.taken_count]
     return taken.tolist(), steps, int(drive.control.rejected)
+
+
+def bare(system: System, master: Master, guard: Guard, recorder: Recorder) -> float:
+    """Seconds that a step of the grid takes with nothing watched or recorded: for benchmarks."""
+    drive = _Drive(system, master, Stepper(system, master), [guard, recorder], None, None)
+    layout = drive.layout
+    layout.guard.every = 0
+    guard.high[:], guard.low[:] = inf, -inf
+    layout.recorder.from_ = inf
+    layout.run.patience = inf
+    call, arguments = drive._call()
+    begun = perf_counter()
+    code = call(*arguments)
+    if code != c.DONE:
+        drive._stop(code)
+    return (perf_counter() - begun) / float(layout.run.steps)
 
 
 class _Drive:

@@ -8,7 +8,8 @@ from typing import Any
 
 from ...errors import InputError, SimulationError, nearest
 from ...results.metrics import metrics
-from ...scenario.plan import LIBRARY, Plan
+from ...scenario.library import LIBRARY
+from ...scenario.plan import Plan
 from ...scenario.start_values import start_value
 from ...simulation.interrupt import Interrupt
 from ...simulation.load import load

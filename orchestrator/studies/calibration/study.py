@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scenario.plan import LIBRARY
+from ...scenario.library import LIBRARY
 from ...simulation.interrupt import Interrupt
 from .fits import Fit
 from .predictions import Model

@@ -14,8 +14,9 @@ from ...fmi.description import Interface, Variable
 from ...recording.columns import EVERY
 from ...recording.recording import Recording, open_recording
 from ...scenario.component_options import component_of
+from ...scenario.library import LIBRARY
 from ...scenario.parse import load_scenario
-from ...scenario.plan import LIBRARY, Plan, interface_of
+from ...scenario.plan import Plan, interface_of
 from ...scenario.schema import Component, MasterSettings, Record, Scenario, Time, Wire
 from ...simulation.load import planned
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import ResilinError
-from ...scenario.plan import LIBRARY, Plan
+from ...scenario.library import LIBRARY
+from ...scenario.plan import Plan
 from ...simulation.interrupt import Interrupt, Interrupted
 from ...simulation.load import load
 from ...simulation.run import run

@@ -13,7 +13,8 @@ from ...errors import ScenarioError
 from ...fmi.description import read_interface
 from ...results.outcome import Outcome
 from ...scenario.files import is_file
-from ...scenario.plan import LIBRARY, Plan, check, fmu_path
+from ...scenario.library import LIBRARY, PYTHON, is_library
+from ...scenario.plan import Plan, check, fmu_path
 from ...scenario.schema import Component, MasterSettings, Record, Scenario
 
 MONOLITH = "monolith"
@@ -53,8 +54,10 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
 
 
 def _home(library: Path) -> Path:
-    """Folder of the monolith; native parts take it from the sibling folder, as none is native."""
-    sibling = library.with_name(LIBRARY.name)
+    """Folder of the monolith; compiled parts take it from the sibling folder: it is of Python."""
+    if is_library(library):
+        return library / PYTHON
+    sibling = library.with_name(PYTHON)
     if is_file(library / f"{MONOLITH}.fmu") or not is_file(sibling / f"{MONOLITH}.fmu"):
         return library
     return sibling

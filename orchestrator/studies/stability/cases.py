@@ -10,8 +10,9 @@ from pydantic import Field
 
 from ...errors import ScenarioError
 from ...recording.settings import Quantity, Text
+from ...scenario.library import LIBRARY
 from ...scenario.parse import scenario_of
-from ...scenario.plan import LIBRARY, Plan
+from ...scenario.plan import Plan
 from ...simulation.load import planned
 from ..named_list import Named, load_list
 from ..reference.solution import Reference

@@ -11,7 +11,7 @@ from time import perf_counter
 from typing import Any, Literal
 
 from ...errors import ScenarioError
-from ...scenario.plan import LIBRARY
+from ...scenario.library import LIBRARY
 from ...simulation.interrupt import Interrupt
 from ..precision.method import Method, methods_for
 from ..workers.pool import Failed, WorkerPool

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...errors import InputError, OutputError, SimulationError, nearest
 from ...scenario.files import scenario_names, scenario_path
-from ...scenario.plan import LIBRARY
+from ...scenario.library import LIBRARY
 from ...simulation.interrupt import Interrupt, Interrupted
 from ..workers.pool import Answer, Failed, WorkerPool
 from .axes import Axis, check_axes, parse_axis

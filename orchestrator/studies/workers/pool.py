@@ -199,7 +199,10 @@ class WorkerPool(Generic[Item]):
         for address, running in list(self._running.items()):
             spent = monotonic() - running.begun
             if running.future.done():
-                answer = self._read(client, running.future, address)
+                read = self._read(client, running.future, address)
+                if read is None and address in here:
+                    continue
+                answer = read if read is not None else _ended()
             elif address not in here:
                 answer = _ended()
             elif spent > self._patience:
@@ -214,14 +217,19 @@ class WorkerPool(Generic[Item]):
                 self._dismiss(client, address)
             yield running, answer
 
-    def _read(self, client: Client, future: Any, address: str) -> Answer | Failed:
-        """A finished task's answer; `InputError` where the worker could not run it."""
+    def _read(self, client: Client, future: Any, address: str) -> Answer | Failed | None:
+        """A finished task's answer, `None` where it has not arrived yet.
+
+        `InputError` where the worker could not run it.
+        """
         from distributed import KilledWorker
 
         try:
             answer: Answer = future.result(timeout=dask_cluster.CONNECTING)
-        except (KilledWorker, TimeoutError):
+        except KilledWorker:
             return _ended()
+        except TimeoutError:
+            return None
         except Exception as error:
             if future.status == "cancelled":
                 self._here(client)

@@ -1,0 +1,121 @@
+"""One part as an FMU, of Python or compiled: made anew where its sources have changed."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import uuid
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from .archive import Built, described, guid_in, problems_of, seal
+from .sources import BuildError, digest_of, source_files
+from .staging import compiled, export, stage
+
+OUTPUT = Path("build") / "fmus"
+NATIVE = Path("build") / "native"
+
+
+def native_exporter(part: Any, platforms: list[str]) -> list[str]:
+    """What identifies the native build beside the sources; `BuildError` where there is none."""
+    if part.needs:
+        raise BuildError(
+            f"{part.name} needs {', '.join(part.needs)} when it runs: it cannot be built without"
+            " Python; leave out --native"
+        )
+    from ..native.errors import NativeError
+    from ..native.link import checked
+    from ..native.package import marks
+
+    try:
+        return marks(checked(platforms))
+    except NativeError as error:
+        raise BuildError(f"--platform: {error}") from None
+
+
+def has_compiler() -> bool:
+    """Whether parts can be compiled here."""
+    from ..native.errors import NativeError
+    from ..native.link import PLATFORMS, compiler, own_platform
+
+    try:
+        compiler(PLATFORMS[own_platform()].targets[0], own=True)
+    except (NativeError, KeyError):
+        return False
+    return True
+
+
+def build_part(
+    part: Any,
+    *,
+    alias: str | None = None,
+    starts: dict[str, float] | None = None,
+    data: Path | None = None,
+    files: dict[str, bytes] | None = None,
+    into: Path | None = None,
+    force: bool = False,
+    native: bool = False,
+    platforms: Iterable[str] = (),
+) -> Built:
+    """Build a part, or reuse the file that stands for the same sources.
+
+    `alias` names the FMU; `starts` are start values in SI that differ from the part's; `data`
+    takes the place of the data file that the part's tables are made from, `files` of others of its
+    files. `native` compiles the part, for `platforms` or for this machine's. The file appears whole
+    or not at all, and only if fmpy's validation finds no problem. Raises :class:`BuildError`.
+    """
+    from importlib.metadata import version
+
+    into = into or (NATIVE if native else OUTPUT)
+    wanted = list(platforms)
+    if wanted and not native:
+        raise BuildError("--platform goes with --native: the Python FMUs run on every platform")
+    exporter = native_exporter(part, wanted) if native else [version("pythonfmu")]
+    title = alias or part.name
+    if not title.isidentifier():
+        raise BuildError(f"{title!r} cannot name an FMU: use letters, digits and underscores")
+    starts = starts or {}
+    sources = _sources(part, data) | (files or {})
+    alike = digest_of(title, sources, starts, [])
+    digest = digest_of(title, sources, starts, exporter)
+    guid = str(uuid.UUID(digest[:32]))
+    target = into / f"{title}.fmu"
+    if not force and guid_in(target) == guid:
+        return described(title, target, guid, fresh=False)
+    for path, (origin, make) in part.generated.items():
+        try:
+            sources[path] = make(sources[origin].decode()).encode()
+        except ValueError as error:
+            raise BuildError(f"{title}: {origin}: {error}") from None
+    with tempfile.TemporaryDirectory(prefix="resilin_build_") as folder:
+        staged = stage(Path(folder), title, part, sources, starts, digest, guid, alike)
+        if native:
+            raw = compiled(staged, title, part, guid, alike, starts, wanted)
+        else:
+            raw = export(staged, Path(folder) / "raw")
+        sealed = Path(folder) / f"{title}.fmu"
+        seal(raw, sealed)
+        problems = problems_of(sealed)
+        if problems:
+            raise BuildError(f"{title}: {problems[0]}")
+        into.mkdir(parents=True, exist_ok=True)
+        partial = into / f".{title}.fmu.part"
+        shutil.copyfile(sealed, partial)
+        partial.replace(target)
+    return described(title, target, guid, fresh=True)
+
+
+def _sources(part: Any, data: Path | None) -> dict[str, bytes]:
+    """The texts that the FMU is made of, with another data file where one is given."""
+    files = source_files(part)
+    if data is None:
+        return files
+    if not part.generated:
+        raise BuildError(f"{part.name} has no data file to replace")
+    try:
+        text = data.read_bytes()
+        text.decode()
+    except (OSError, UnicodeDecodeError) as error:
+        raise BuildError(f"{data}: cannot be read as UTF-8 text ({error})") from None
+    return files | {origin: text for origin, _ in part.generated.values()}
