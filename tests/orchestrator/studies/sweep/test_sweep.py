@@ -42,7 +42,7 @@ STROKE = "flapping stroke"
 SICK = f"""
 extends = "{SCENARIO}"
 [master]
-order = ["amplifier", "spring", "aero", "linkage", "sick"]
+order = ["amplifier", "actuator", "aero", "linkage", "sick"]
 [components.sick]
 fmu = "faulty.fmu"
 isolate = false
