@@ -167,8 +167,14 @@ def recorded_files(recording: Any) -> dict[str, bytes]:
             scales[column] = scale
         outputs.append(
             ReplayedOutput(
-                *(variable.name, unit, printable(variable.description)),
-                *(variable.port, variable.order, how, column, rate),
+                name=variable.name,
+                unit=unit,
+                meaning=printable(variable.description),
+                port=variable.port,
+                order=variable.order,
+                how=how,
+                column=column,
+                rate=rate,
             )
         )
     record = Record(

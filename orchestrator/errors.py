@@ -2,12 +2,12 @@
 
 ResilinError                     exit code
 +-- InputError                   2   the user's files and options
-|   +-- ScenarioError                   a scenario: file, key, remedy; may list several
+|   +-- ScenarioError            a scenario: file, key, remedy; may list several
 |   +-- FmuError                     an FMU file: archive, description, platform
 |   +-- RecordingError               a recording: file, line, column
 |   +-- OutputError                  a result that cannot be written
 +-- SimulationError              1   a run that could not go on
-    +-- InstanceFailure                  a unit returned anything but OK
+    +-- InstanceFailure          an instance returned anything but OK
     +-- Divergence                   NaN, infinity, bounds left, runaway growth
     +-- InitialisationError          no consistent start
 """
@@ -15,6 +15,7 @@ ResilinError                     exit code
 from __future__ import annotations
 
 import difflib
+import warnings
 from collections.abc import Iterable
 
 
@@ -25,30 +26,63 @@ class ResilinError(Exception):
 
 
 class InputError(ResilinError):
-    """Something the user gave is wrong."""
+    """What the user gave is wrong: one problem, or several at once, each with its place."""
 
     exit_code = 2
 
-
-class ScenarioError(InputError):
-    """One or more problems of a scenario, each with its place."""
-
     def __init__(self, problems: Iterable[str] | str) -> None:
-        listed = [problems] if isinstance(problems, str) else list(problems)
-        self.problems = [problem.replace("\n", "\\x0a") for problem in listed]
+        self.problems = problems.split("\n") if isinstance(problems, str) else list(problems)
         super().__init__("\n".join(self.problems))
 
 
+class ScenarioError(InputError):
+    """One or more problems of a scenario, each with its place; line ends in them are escaped."""
+
+    def __init__(self, problems: Iterable[str] | str) -> None:
+        listed = [problems] if isinstance(problems, str) else problems
+        super().__init__([problem.replace("\n", "\\x0a") for problem in listed])
+
+
 class FmuError(InputError):
-    """A file that is no usable FMU."""
+    """A file that is not an FMU which can be used."""
 
 
 class RecordingError(InputError):
-    """A file that is no usable recording."""
+    """A file that is not a recording which can be used."""
 
 
 class OutputError(InputError):
     """A result that cannot be written where it should be."""
+
+
+class Problems:
+    """Gathers what is wrong with one file of the user's, so that all of it is raised at once."""
+
+    def __init__(self, file: object, kind: type[InputError] = ScenarioError) -> None:
+        self._file = file
+        self._kind = kind
+        self._found: list[tuple[str, str]] = []
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def add(self, key: str, message: object) -> None:
+        """Note what is wrong at a key, such as `time.step`, and the way out."""
+        self._found.append((key, str(message)))
+
+    def at(self, *tables: str) -> bool:
+        """Whether any problem concerns one of these keys, or something inside of them."""
+        return any(
+            key == table or key.startswith((f"{table}.", f"{table}[", f"{table} "))
+            for key, _ in self._found
+            for table in tables
+        )
+
+    def check(self) -> None:
+        """Raise every problem, each once, as `file: key: message`; nothing where there is none."""
+        if self._found:
+            lines = (f"{self._file}: {key}: {message}" for key, message in self._found)
+            raise self._kind(dict.fromkeys(lines))
 
 
 class SimulationError(ResilinError):
@@ -67,6 +101,19 @@ class InitialisationError(SimulationError):
     """The units refuse their start values, or these do not settle."""
 
     exit_code = 2
+
+
+class RenamedWarning(FutureWarning):
+    """Something goes by a new name; the old one is understood for one release."""
+
+
+def renamed(old: str, new: str) -> None:
+    """Warn that an old name was used, with the new one."""
+    warnings.warn(
+        f"{old} is now called {new}; the next release does not know the old name",
+        RenamedWarning,
+        stacklevel=3,
+    )
 
 
 def nearest(word: str, words: Iterable[str], *, show: int = 8) -> str:

@@ -1,10 +1,13 @@
-"""Shared fixtures: the built parts, and scenarios run on them."""
+"""Shared fixtures: built FMUs, scenarios run on them, and that a test leaves nothing behind."""
 
 from __future__ import annotations
 
 import fcntl
+import functools
 import os
-from collections.abc import Callable
+import tempfile
+import uuid
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -13,6 +16,9 @@ import build_fmus
 from orchestrator.results.outcome import Outcome
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
+from tests.foreign.build import foreign
+from tests.foreign.scenarios import Shelf
+from tests.processes import MARK, dead_children, marked
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
@@ -50,3 +56,32 @@ def outcome(library: Path) -> Runner:
         return run(load(scenario, changes, library, **options))
 
     return runner
+
+
+@pytest.fixture(scope="session")
+def shelf(tmp_path_factory: pytest.TempPathFactory) -> Shelf:
+    """A foreign FMU, `shelf(model, version, **options)`, built where it is not there yet."""
+
+    @functools.cache
+    def take(model: str, version: int, **options: object) -> Path:
+        return foreign(model, tmp_path_factory.mktemp(model), version=version, **options)  # type: ignore[arg-type]
+
+    return take
+
+
+@pytest.fixture
+def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """What all processes of a test carry in their environment: none is left, and no folder."""
+    word = uuid.uuid4().hex
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setenv(MARK, word)
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    dead = dead_children()
+    yield word
+    left = marked(word)
+    for process in left:
+        process.kill()
+    assert left == []
+    assert dead_children() <= dead
+    assert list(temporary.iterdir()) == []

@@ -9,9 +9,12 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import warnings
+from typing import Any
 
 import typer
 
+from ..errors import RenamedWarning, printable
 from . import (
     build,
     calibrate,
@@ -59,10 +62,17 @@ def main() -> None:
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
             reconfigure(errors="backslashreplace")
+    warnings.showwarning = _shown  # type: ignore[assignment]
     try:
         app()
     except KeyboardInterrupt:
         raise SystemExit(130) from None
+
+
+def _shown(message: Warning | str, category: type[Warning], *_: Any) -> None:
+    """A warning as one line on standard error; those for programmers stay out of sight."""
+    if issubclass(category, RenamedWarning):
+        typer.echo(f"resilin: warning: {printable(str(message), most=900)}", err=True)
 
 
 def entry() -> None:

@@ -33,6 +33,7 @@ def fit(
     scenario: Annotated[
         str | None, typer.Option(help="Scenario in which the parts stand: its wires, start values.")
     ] = None,
+    scene: Annotated[str | None, typer.Option("--scene", hidden=True)] = None,
     outputs: Annotated[
         list[str] | None, typer.Option("--output", help="Recorded outputs that count; patterns.")
     ] = None,
@@ -67,7 +68,7 @@ def fit(
 
     Example: resilin fit bench.csv --part payload --parameters mass --native
     """
-    from ..errors import InputError
+    from ..errors import InputError, renamed
     from ..report.image import draw
     from ..report.page import prepare, write
     from ..simulation.interrupt import Interrupt
@@ -77,6 +78,9 @@ def fit(
 
     shown = sys.stderr.isatty() and not (quiet or json)
     target = output or Path("results") / f"{recording.stem}-fit.png"
+    if scene is not None:
+        renamed("the option --scene", "--scenario")
+        scenario = scenario or scene
     with Interrupt() as interrupt, common.reported():
         if html is not None:
             prepare(html)

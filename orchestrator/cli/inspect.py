@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..errors import renamed
 from . import common
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ def add_to(app: typer.Typer) -> None:
     """Register the commands."""
     app.command("inspect")(inspect)
     app.command("scenarios")(scenarios)
+    app.command("scenes", hidden=True)(_scenes)
 
 
 def inspect(
@@ -84,6 +86,12 @@ def _stability(plan: Plan) -> str:
         f" it grows by {radius:.4f} each step; lower the step, connect whole ports, or use"
         " another master"
     )
+
+
+def _scenes() -> None:
+    """The name of `scenarios` in earlier releases."""
+    renamed("the command scenes", "scenarios")
+    scenarios()
 
 
 def scenarios() -> None:

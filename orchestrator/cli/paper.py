@@ -53,7 +53,7 @@ def paper(
     from ..studies.paper.page import facts, page
     from ..studies.paper.page import pictures as drawn
     from ..studies.paper.reproduction import chosen, reproduced
-    from ..studies.paper.store import RunCache
+    from ..studies.run_cache import RunCache
 
     shown = sys.stderr.isatty() and not (quiet or json)
 

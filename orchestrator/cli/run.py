@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,6 +15,7 @@ from . import common
 if TYPE_CHECKING:
     import xarray
 
+    from ..results.metrics import Metric
     from ..results.outcome import Outcome
 
 
@@ -109,11 +112,20 @@ def _show(
         found = metrics(data, outcome.plan.scenario.metrics.cycles)
     if json:
         common.print_json(_facts(outcome, found, written, drawn))
+        _check_numbers(found)
         return
     try:
         _report(outcome, found, written, drawn, verbose)
     except OSError as error:
         common.fail(f"standard output: {error.strerror}; {written} is whole", 1)
+    _check_numbers(found)
+
+
+def _check_numbers(found: Sequence[Metric]) -> None:
+    """End with an error where a metric is not a number; the result itself is whole."""
+    wrong = [f"metrics.{metric.name}: {metric.shown}" for metric in found if isnan(metric.value)]
+    if wrong:
+        common.fail("\n".join(wrong), 1)
 
 
 def _drawn(data: xarray.Dataset, written: Path) -> Path | None:
@@ -185,6 +197,8 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         for name, count in outcome.calls.items():
             back = outcome.rollbacks.get(name, 0)
             console.print(f"{name}: {count} steps, {back} rollbacks", highlight=False)
+        loop = f"in Python: {outcome.python_loop}" if outcome.python_loop else "compiled"
+        console.print(f"communication loop {loop}", highlight=False)
         console.print(f"residual at the start: {outcome.residual:.2g}", highlight=False)
     for line in warnings(outcome):
         console.print(Text(f"warning: {line}"), soft_wrap=True)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import RecordingError, nearest, printable
+from ..errors import Problems, RecordingError, nearest, printable
 from ..units import UnitError, parsed
 from .table import TIME, Column
 
@@ -48,67 +48,66 @@ class Choice:
         """The columns in use, time first; `RecordingError` with all that is wrong of them."""
         if self.component and self.component != EVERY:
             headings = _belonging(path, where, headings, self.component)
-        problems: list[str] = []
+        problems = Problems(f"{path}: {where}", RecordingError)
         texts = [h.text for h in headings if h.text]
         for text in sorted({t for t in texts if texts.count(t) > 1}):
-            problems.append(f"two columns are called {printable(text)!r}")
+            problems.add("headings", f"two columns are called {printable(text)!r}")
         taken = self._mapped(headings, problems) if self.columns else _named(headings)
         if TIME not in taken.values():
             clocks = [k for k, h in enumerate(headings) if h.name.lower() in CLOCKS]
             if clocks:
                 taken = {clocks[0]: TIME, **{k: v for k, v in taken.items() if k != clocks[0]}}
         if TIME not in taken.values():
-            problems.append(
+            problems.add(
+                "headings",
                 f"no column of time; call one {TIME!r} or say so under columns;"
-                f" {nearest(TIME, texts)}"
+                f" {nearest(TIME, texts)}",
             )
         elif len(taken) < 2:
-            problems.append(
+            problems.add(
+                "headings",
                 "no column is called like a variable; say under columns which is which, as"
-                f' {{ "F (N)" = "force.value" }}; {nearest("", texts)}'
+                f' {{ "F (N)" = "force.value" }}; {nearest("", texts)}',
             )
         made = [self._column(headings[k], k, name, problems) for k, name in taken.items()]
         for key in self.units or {}:
             if not any(key in {c.heading, Heading.of(c.heading).name, c.name} for c in made):
                 hint = nearest(key, [c.heading for c in made])
-                problems.append(f"units: no column {printable(key)!r}; {hint}")
-        if problems:
-            raise RecordingError("\n".join(f"{path}: {where}: {p}" for p in problems))
+                problems.add("units", f"no column {printable(key)!r}; {hint}")
+        problems.check()
         return sorted(made, key=lambda column: column.name != TIME)
 
-    def _mapped(self, headings: list[Heading], problems: list[str]) -> dict[int, str]:
+    def _mapped(self, headings: list[Heading], problems: Problems) -> dict[int, str]:
         taken: dict[int, str] = {}
         for key, name in (self.columns or {}).items():
             if not _VARIABLE.fullmatch(name):
-                problems.append(f"columns: {printable(name)!r} is no name of a variable")
+                problems.add("columns", f"{printable(name)!r} is not the name of a variable")
             found = [k for k, h in enumerate(headings) if h.text == key]
             found = found or [k for k, h in enumerate(headings) if h.name == key]
             if not found:
                 hint = nearest(key, [h.text for h in headings if h.text])
-                problems.append(f"columns: no column {printable(key)!r}; {hint}")
+                problems.add("columns", f"no column {printable(key)!r}; {hint}")
             elif len(found) > 1:
-                problems.append(
-                    f"columns: {printable(key)!r} is {len(found)} columns; say its unit"
-                )
+                problems.add("columns", f"{printable(key)!r} is {len(found)} columns; say its unit")
             elif name in taken.values() or found[0] in taken:
-                problems.append(f"columns: {printable(key)!r} and another are one and the same")
+                problems.add("columns", f"{printable(key)!r} and another are one and the same")
             else:
                 taken[found[0]] = name
         return taken
 
-    def _column(self, heading: Heading, place: int, name: str, problems: list[str]) -> Column:
+    def _column(self, heading: Heading, place: int, name: str, problems: Problems) -> Column:
         """A column with its unit: the file's, else the scenario's."""
         units = self.units or {}
         keys = [key for key in (heading.text, heading.name, name) if key in units]
         given = units[keys[0]] if keys else ""
         where = f"column {printable(heading.text)!r}"
         if heading.unit and given and heading.unit != given:
-            problems.append(f"{where} is in {printable(heading.unit)}, under units in {given}")
+            problems.add(where, f"is in {printable(heading.unit)}, under units in {given}")
         unit = heading.unit or given
         try:
             parsed(unit)
         except UnitError as error:
-            problems.append(f"{where}: {error}")
+            problems.add(where, error)
         return Column(place, heading.text, name, unit)
 
 

@@ -152,9 +152,13 @@ def _opened(path: Path, settings: str, stamp: tuple[int, int]) -> Recording:
     table, announced = _without_clocks(table)
     try:
         track = fitted(
-            *(table.times, table.values, component.interpolation),
-            period=period, before=component.before, after=component.after,
-        )  # fmt: skip
+            times=table.times,
+            values=table.values,
+            kind=component.interpolation,
+            period=period,
+            before=component.before,
+            after=component.after,
+        )
     except Uneven as error:
         raise RecordingError(f"{path}: {error}") from None
     events = _events(track, component, announced)
@@ -174,9 +178,15 @@ def _opened(path: Path, settings: str, stamp: tuple[int, int]) -> Recording:
         ours=True,
     )
     return Recording(
-        *(interface, track, offset, component.before, component.after),
-        *(tuple(sources), events, _frequency(table) or (1.0 / period if period else None)),
-        table.times,
+        interface=interface,
+        track=track,
+        offset=offset,
+        before=component.before,
+        after=component.after,
+        sources=tuple(sources),
+        events=events,
+        frequency=_frequency(table) or (1.0 / period if period else None),
+        rows=table.times,
     )
 
 

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import OutputError, printable
+from ..errors import printable
+from .files import written_whole
 from .plot import Axis, Figure, Plot
 
 STYLES = {"line": "-", "dashed": "--", "points": "None", "line-points": "-", "stated": "None"}
 MARKERS = "osd^v<>P"
+
+
+def save_figure(
+    figure: Any, path: Path, resolution: int, metadata: Mapping[str, Any] | None = None
+) -> Path:
+    """Save a matplotlib figure in the format that its path names, `resolution` in dots an inch.
+
+    Raises `OutputError` where the path cannot be written or names no format.
+    """
+    with written_whole(path, failures=(ValueError,)) as waiting:
+        figure.savefig(waiting, format=path.suffix[1:].lower(), dpi=resolution, metadata=metadata)
+    return path
 
 
 def draw(figure: Figure, paths: Sequence[Path]) -> list[Path]:
@@ -29,15 +42,8 @@ def draw(figure: Figure, paths: Sequence[Path]) -> list[Path]:
     sheet.tight_layout()
     try:
         for path in paths:
-            waiting = path.with_name(f".{path.stem}.part{path.suffix}")
-            try:
-                with matplotlib.rc_context({"svg.hashsalt": figure.key}):
-                    sheet.savefig(waiting, dpi=130, metadata=_undated(path))
-                waiting.replace(path)
-            finally:
-                waiting.unlink(missing_ok=True)
-    except (OSError, ValueError) as error:
-        raise OutputError(f"{paths[0].parent}: cannot be drawn into ({error})") from None
+            with matplotlib.rc_context({"svg.hashsalt": figure.key}):
+                save_figure(sheet, path, 130, metadata=_undated(path))
     finally:
         pyplot.close(sheet)
     return list(paths)

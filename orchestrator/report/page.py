@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..errors import OutputError
 from .animation import Animation
+from .files import written_whole
 from .plot import Figure
 from .table import Table
 
@@ -77,16 +78,8 @@ def rendered(page: Page) -> str:
 
 def write(page: Page, path: Path) -> Path:
     """Write a page to `path`: whole under its name, or not there."""
-    waiting = path.with_name(f".{path.name}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    with written_whole(path) as waiting:
         waiting.write_text(rendered(page), encoding="utf-8", errors="backslashreplace")
-        waiting.replace(path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
-    finally:
-        if path.parent.is_dir():
-            waiting.unlink(missing_ok=True)
     return path
 
 

@@ -1,23 +1,35 @@
-"""The numbers that matter of a run, taken over its last whole cycles."""
+"""Metrics of a run: what its scenario defines, taken over the last whole cycles."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import ast
+import json
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..scenario.metric_expression import Expression, expression_of, unit_of, variable_of
+from ..units import UnitError, in_base
+from .window import Window
 
 if TYPE_CHECKING:
     import xarray
 
-Values = NDArray[np.float64]
+CYCLES = 5
+"""Cycles of the window where a scenario gives none."""
+MOST_UNASKED = 4
+"""Leading variables that a scenario without metrics shows the last value of."""
 
 
 @dataclass(frozen=True)
 class Metric:
-    """One figure of the table: name, value in SI, unit; and how it is shown."""
+    """One row of the table: name, value in SI with its unit, and how it is shown.
+
+    Where there is no number, `value` is NaN and `shown` says why.
+    """
 
     name: str
     value: float
@@ -25,116 +37,117 @@ class Metric:
     shown: str
 
 
-def metrics(data: xarray.Dataset, cycles: int = 5) -> list[Metric]:
-    """Metrics for which the dataset has the variables, over its last `cycles` cycles.
+def metrics(data: xarray.Dataset, cycles: int | None = None) -> list[Metric]:
+    """The metrics of the scenario that a dataset comes from, over its last `cycles` cycles.
 
-    Strokes and travel are peak to peak; phase is that of the fundamental of the travel
-    behind the fundamental of the drive V_top^2 - V_bottom^2; powers are differences of
-    energies over the window, so they miss nothing between samples.
+    Those whose variables were not recorded are left out, as are a frequency and a phase of what
+    does not move. A scenario that defines none gets the last value of its first variables.
     """
-    if data.sizes["time"] < 3:
-        return []
-    return list(_found(_Window(data, cycles)))
+    settings = _settings(data)
+    window = Window(data, cycles or int(settings.get("cycles", CYCLES)))
+    defined = {str(k): str(v) for k, v in settings.items() if k != "cycles"}
+    return list(_found(window, defined or _unasked(window)))
 
 
-def _found(w: _Window) -> Iterator[Metric]:
-    angle, travel = w.first("flap_angle"), w.first("displacement")
-    if angle is not None:
-        stroke = float(np.ptp(angle))
-        yield Metric("flapping stroke", stroke, "rad", f"{np.degrees(stroke):.2f} deg")
-    if travel is not None:
-        size = float(np.ptp(travel))
-        yield Metric("travel", size, "m", f"{1e3 * size:.3f} mm")
-    moving = travel if travel is not None else angle
-    if moving is not None:
-        frequency = w.frequency_of(moving)
-        if frequency > 0.0:
-            yield Metric("frequency", frequency, "Hz", f"{frequency:.3f} Hz")
-        phase = w.phase_of(moving)
-        if phase is not None:
-            yield Metric("phase", phase, "rad", f"{np.degrees(phase):.1f} deg")
-    for name, label in (("voltage", "peak voltage"), ("current", "peak current")):
-        peak = w.peak(name)
-        if peak is not None:
-            unit, scale, symbol = ("V", 1.0, "V") if name == "voltage" else ("A", 1e3, "mA")
-            yield Metric(label, peak, unit, f"{scale * peak:.2f} {symbol}")
-    for name, label in (
-        ("supplied_energy", "electrical power"),
-        ("force_work", "mechanical power"),
-        ("load_work", "aerodynamic power"),
-    ):
-        power = w.rate(name)
-        if power is not None:
-            yield Metric(label, power, "W", f"{1e3 * power:.3f} mW")
-    lift = w.first("lift")
-    if lift is not None:
-        mean = w.mean(lift)
-        yield Metric("mean lift", mean, "N", f"{1e6 * mean / 9.80665:.1f} mg")
+def _settings(data: xarray.Dataset) -> Mapping[str, Any]:
+    """The scenario's own table of metrics, as the result carries it."""
+    try:
+        known = json.loads(data.attrs["scenario"])["metrics"]
+    except (KeyError, ValueError, TypeError):
+        return {}
+    return known if isinstance(known, dict) else {}
 
 
-class _Window:
-    """The last whole cycles of a dataset."""
+def _unasked(window: Window) -> dict[str, str]:
+    return {
+        f"last {name}": f"last({json.dumps(name)})" for name in list(window.units)[:MOST_UNASKED]
+    }
 
-    def __init__(self, data: xarray.Dataset, cycles: int) -> None:
-        time = np.asarray(data["time"].values, dtype=float)
-        self.drive = float(data.attrs.get("frequency", 0.0))
-        begin = time[0]
-        if self.drive > 0.0:
-            begin = max(begin, time[-1] - cycles / self.drive - 1e-9)
-        first = int(np.searchsorted(time, begin))
-        self.time = time[first:]
-        self.data = data.isel(time=slice(first, None))
 
-    def all(self, variable: str) -> list[Values]:
-        """Series of all variables of this name, whatever the component and port."""
-        names = [str(n) for n in self.data.data_vars]
-        matching = [n for n in names if n.rpartition(".")[2] == variable]
-        return [np.asarray(self.data[n].values, dtype=float) for n in matching]
+def _found(window: Window, defined: Mapping[str, str]) -> Iterator[Metric]:
+    for name, text in defined.items():
+        try:
+            expression = expression_of(text)
+            if not set(expression.variables) <= set(window.units):
+                continue
+            shown_in = unit_of(expression, window.units)
+            unit, scale = _base(shown_in)
+        except (ValueError, UnitError) as error:
+            yield Metric(name, math.nan, "1", f"not a number: {error}")
+            continue
+        if window.rows < Window.LEAST_ROWS:
+            reason = f"{window.rows} rows are fewer than the {Window.LEAST_ROWS} that it needs"
+            yield Metric(name, math.nan, unit, f"not a number: {reason}")
+            continue
+        value = evaluated(expression, window)
+        if value is None:
+            continue
+        if not math.isfinite(value):
+            yield Metric(name, math.nan, unit, f"not a number: {text} comes to {value}")
+            continue
+        yield Metric(name, value, unit, shown(value / scale, shown_in))
 
-    def first(self, variable: str) -> Values | None:
-        found = self.all(variable)
-        return found[0] if found else None
 
-    def mean(self, series: Values) -> float:
-        return float(np.trapezoid(series, self.time) / (self.time[-1] - self.time[0]))
-
-    def peak(self, variable: str) -> float | None:
-        """Largest magnitude, from the peak of each step where that is recorded."""
-        names = [str(n) for n in self.data.data_vars]
-        wanted = [n for n in names if n.endswith(f"_peak_{variable}")]
-        wanted = wanted or [n for n in names if n.endswith((f".{variable}", f"_{variable}"))]
-        series = [np.asarray(self.data[n].values) for n in wanted]
-        return max((float(np.max(np.abs(s))) for s in series), default=None)
-
-    def rate(self, variable: str) -> float | None:
-        series = self.first(variable)
-        if series is None:
+def evaluated(expression: Expression, window: Window) -> float | None:
+    """Value of a metric in SI; None where a frequency or phase in it does not exist."""
+    with np.errstate(all="ignore"):
+        try:
+            return float(_scalar(expression.tree, window))
+        except Window.UndefinedError:
             return None
-        return float((series[-1] - series[0]) / (self.time[-1] - self.time[0]))
+        except (ZeroDivisionError, OverflowError):
+            return math.nan
 
-    def frequency_of(self, series: Values) -> float:
-        """Frequency from the first to the last upward crossing of the mean; 0 without two."""
-        swing = series - 0.5 * (series.max() + series.min())
-        up = np.flatnonzero((swing[:-1] < 0.0) & (swing[1:] >= 0.0))
-        if len(up) < 2:
-            return 0.0
-        part = swing[up] / (swing[up] - swing[up + 1])
-        crossings = self.time[up] + part * (self.time[up + 1] - self.time[up])
-        return float((len(up) - 1) / (crossings[-1] - crossings[0]))
 
-    def phase_of(self, series: Values) -> float | None:
-        """Lag [rad] of the fundamental of `series` behind that of V_top^2 - V_bottom^2."""
-        voltages = self.all("voltage")
-        if self.drive <= 0.0 or len(voltages) != 2:
-            return None
-        push = self._fundamental(voltages[0] ** 2 - voltages[1] ** 2)
-        response = self._fundamental(series)
-        if abs(push) == 0.0 or abs(response) == 0.0:
-            return None
-        lag = float(np.angle(push / response))
-        return lag if lag > -0.5 * np.pi else lag + 2.0 * np.pi
+def shown(number: float, unit: str) -> str:
+    """A number to four digits with its unit, as `63.31 deg`."""
+    text = f"{number:#.4g}".removesuffix(".")
+    return text if unit in {"", "1"} else f"{text} {unit}"
 
-    def _fundamental(self, series: Values) -> complex:
-        """Fourier coefficient at the drive's frequency over the window."""
-        turn = np.exp(-2j * np.pi * self.drive * self.time)
-        return complex(np.trapezoid((series - self.mean(series)) * turn, self.time))
+
+def _base(unit: str) -> tuple[str, float]:
+    """The SI unit of a unit's dimension, and how many of it one is; a foreign unit is its own."""
+    try:
+        return in_base(unit)
+    except UnitError:
+        return unit, 1.0
+
+
+def _scalar(node: ast.expr, window: Window) -> Any:
+    if isinstance(node, ast.Constant):
+        return float(node.value)  # type: ignore[arg-type]
+    if isinstance(node, ast.UnaryOp):
+        return _signed(node, _scalar(node.operand, window))
+    if isinstance(node, ast.BinOp):
+        return _combined(node, _scalar(node.left, window), _scalar(node.right, window))
+    assert isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    series = [_series(argument, window) for argument in node.args]
+    return window.reduced(node.func.id, series)
+
+
+def _series(node: ast.expr, window: Window) -> Any:
+    name = variable_of(node)
+    if name is not None:
+        return window.series(name)
+    if isinstance(node, ast.UnaryOp):
+        return _signed(node, _series(node.operand, window))
+    if isinstance(node, ast.BinOp):
+        return _combined(node, _series(node.left, window), _series(node.right, window))
+    return float(_scalar(node, window))
+
+
+def _signed(node: ast.UnaryOp, value: Any) -> Any:
+    return -value if isinstance(node.op, ast.USub) else value
+
+
+def _combined(node: ast.BinOp, left: Any, right: Any) -> Any:
+    match node.op:
+        case ast.Add():
+            return left + right
+        case ast.Sub():
+            return left - right
+        case ast.Mult():
+            return left * right
+        case ast.Div():
+            return left / right
+    return left**right

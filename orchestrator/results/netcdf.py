@@ -6,6 +6,7 @@ A file is written beside its place and renamed at the end. An incomplete run lea
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import re
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, OutputError
+from ..report.files import written_whole
 from ..scenario.plan import Plan
 from .error_estimate import Estimate
 from .segments import Column, Segments, assemble, folder_of, found
@@ -72,14 +74,19 @@ def netcdf_name(name: str) -> str:
     return re.sub(r"^[^A-Za-z0-9_]|\s+$", "_", short)
 
 
-def provenance(plan: Plan) -> dict[str, Any]:
-    """What a run is made of, as netCDF attributes: known before it starts."""
+@functools.cache
+def release() -> str:
+    """Version of Resilin that is installed; `unknown` where it is not."""
     from importlib.metadata import PackageNotFoundError, version
 
     try:
-        release = version("resilin")
+        return version("resilin")
     except PackageNotFoundError:
-        release = "unknown"
+        return "unknown"
+
+
+def provenance(plan: Plan) -> dict[str, Any]:
+    """What a run is made of, as netCDF attributes: known before it starts."""
     digests = {name: interface.guid for name, interface in plan.interfaces.items()}
     paths = {interface.path for interface in plan.interfaces.values()}
     hashes = {path: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
@@ -90,7 +97,7 @@ def provenance(plan: Plan) -> dict[str, Any]:
         "scenario_file": str(plan.path),
         "fmu_guids": json.dumps(digests),
         "fmu_sha256": json.dumps(archives),
-        "resilin_version": release,
+        "resilin_version": release(),
         "master": plan.scenario.master.kind,
         "laws": plan.scenario.master.laws,
         "communication_step": plan.grid.step,
@@ -109,6 +116,9 @@ def attributes(outcome: Outcome) -> dict[str, Any]:
         "coupling_energies": json.dumps(outcome.couplings),
         "error_estimate": outcome.doubt or ("none" if outcome.estimates is None else "half step"),
         "wall_time": outcome.wall_time,
+        "communication_loop": f"python: {outcome.python_loop}"
+        if outcome.python_loop
+        else "compiled",
         "complete": int(outcome.failure is None),
         "reason": str(outcome.failure or ""),
     }
@@ -205,11 +215,5 @@ def _assembled(
     pieces: Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]],
 ) -> None:
     """A file that is whole once it has its name."""
-    waiting = target.with_name(f".{target.name}.part")
-    try:
+    with written_whole(target, failures=(RuntimeError,)) as waiting:
         assemble(waiting, named, said, pieces)
-        waiting.replace(target)
-    except (OSError, RuntimeError) as error:
-        raise OutputError(f"{target}: cannot be written ({error})") from None
-    finally:
-        waiting.unlink(missing_ok=True)

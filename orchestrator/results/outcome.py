@@ -25,7 +25,8 @@ class Outcome:
     `rollbacks` counts for each unit, `residual` what was left of the initial conditions,
     `couplings` the energy created and exchanged by each power coupling [J].
     `estimates` holds the error of each variable where it was asked for, `doubt` says why
-    there is none. `segments` holds the rows of a long run that have left memory; `times` and
+    there is none; `python_loop` why the communication loop ran in Python, "" for the compiled one.
+    `segments` holds the rows of a long run that have left memory; `times` and
     `rows` are then the last ones.
     """
 
@@ -45,6 +46,7 @@ class Outcome:
     segments: Segments | None = None
     estimates: dict[str, Estimate] | None = None
     doubt: str = ""
+    python_loop: str = ""
 
     @property
     def kept(self) -> int:

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError, OutputError, nearest
+from ..errors import InputError, nearest
+from ..report.image import save_figure
+from ..units import UnitError, factor
 
 if TYPE_CHECKING:
     import xarray
 
-PANELS = (
-    ("Electrode voltage (kV)", 1e-3, ("voltage",)),
-    ("Actuator force (N)", 1.0, ("force.value",)),
-    ("Displacement (mm)", 1e3, ("displacement",)),
-    ("Flap angle (deg)", 180.0 / np.pi, ("flap_angle",)),
-    ("Lift (mN)", 1e3, ("lift",)),
-)
 CYCLES = 5.0
 MOST_POINTS = 20_000
 
@@ -53,23 +49,40 @@ def draw(
     figure.suptitle(str(data.attrs.get("title", "")).replace("$", r"\$"))
     figure.tight_layout()
     try:
-        figure.savefig(path, dpi=110)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise OutputError(f"{path}: cannot be drawn ({reason})") from None
+        save_figure(figure, path, 110)
     finally:
         pyplot.close(figure)
     return path
 
 
 def _panels(data: xarray.Dataset) -> list[tuple[str, float, list[str]]]:
-    """What every user wants to see first, as far as it was recorded."""
+    """The panels of the scenario's table `plot` as far as recorded; else the first variables."""
     names = [str(name) for name in data.data_vars]
-    return [
-        (label, scale, shown)
-        for label, scale, endings in PANELS
-        if (shown := [n for n in names if n.endswith(tuple(f".{e}" for e in endings))])
-    ] or [("value", 1.0, names[:4])]
+    panels = []
+    for label, text in _settings(data).items():
+        patterns, _, unit = str(text).partition(" in ")
+        shown = [n for n in names if any(fnmatchcase(n, p.strip()) for p in patterns.split(","))]
+        if shown:
+            own = str(data[shown[0]].attrs.get("units", ""))
+            scale = _scale(own, unit.strip())
+            panels.append((f"{label} ({unit.strip() or own})", scale, shown))
+    return panels or [("value", 1.0, names[:4])]
+
+
+def _settings(data: xarray.Dataset) -> dict[str, Any]:
+    """The scenario's own table `plot`, as the result carries it."""
+    try:
+        known = json.loads(data.attrs["scenario"])["plot"]
+    except (KeyError, ValueError, TypeError):
+        return {}
+    return known if isinstance(known, dict) else {}
+
+
+def _scale(own: str, wanted: str) -> float:
+    try:
+        return factor(own, wanted) if own and wanted else 1.0
+    except UnitError:
+        return 1.0
 
 
 def _chosen(data: xarray.Dataset, patterns: list[str]) -> list[tuple[str, float, list[str]]]:

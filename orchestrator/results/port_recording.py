@@ -7,8 +7,9 @@ from dataclasses import replace
 from math import inf
 from pathlib import Path
 
-from ..errors import InputError, OutputError, nearest, printable
+from ..errors import InputError, nearest, printable
 from ..fmi.description import EVENT, Variable
+from ..report.files import written_whole
 from ..scenario.plan import Plan
 from .netcdf import partial_path, provenance, write
 from .outcome import Outcome, whole
@@ -48,15 +49,11 @@ def write_port_recording(outcome: Outcome, path: Path) -> Path:
     target = path
     if outcome.failure is not None:
         target = path.with_name(partial_path(Path(path.stem)).with_suffix(path.suffix).name)
-    waiting = target.with_name(f".{target.name}.part")
-    try:
-        with waiting.open("w", encoding="utf-8", newline="\n") as file:
-            file.writelines(f"{line}\n" for line in _lines(outcome))
-        waiting.replace(target)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror})") from None
-    finally:
-        waiting.unlink(missing_ok=True)
+    with (
+        written_whole(target) as waiting,
+        waiting.open("w", encoding="utf-8", newline="\n") as file,
+    ):
+        file.writelines(f"{line}\n" for line in _lines(outcome))
     return target
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, OutputError
+from ..report.files import written_whole
 
 Values = NDArray[np.float64]
 MANIFEST = "manifest.json"
@@ -53,17 +53,13 @@ class Segments:
         """Close one more segment; `OutputError` where the disk does not take it."""
         name = f"{len(self.digests):06d}.nc"
         path = self.folder / name
-        try:
-            if not self.digests:
-                self._claim()
-            waiting = path.with_suffix(".part")
+        if not self.digests:
+            self._claim()
+        with written_whole(path, durable=True) as waiting:
             _write_piece(waiting, times, rows)
-            self.digests[name] = _sealed(waiting)
-            waiting.replace(path)
-            self.rows += len(times)
-            self._note()
-        except OSError as error:
-            raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from None
+            self.digests[name] = _digest(waiting)
+        self.rows += len(times)
+        self._note()
 
     def _claim(self) -> None:
         """Make the folder; one that is there belongs to another run, alive or killed."""
@@ -74,6 +70,8 @@ class Segments:
                 f"{self.folder}: holds the rows of another run; if that one is over,"
                 f" `resilin recover {self.folder}` makes a file of them"
             ) from None
+        except OSError as error:
+            raise OutputError(f"{self.folder}: cannot be made ({error.strerror})") from None
 
     def _note(self) -> None:
         """Bring the manifest up to date, whole at any time."""
@@ -81,9 +79,8 @@ class Segments:
         text = json.dumps(
             {"segments": self.digests, "columns": columns, "attributes": self.attributes}
         )
-        waiting = self.folder / f"{MANIFEST}.part"
-        waiting.write_text(text, encoding="utf-8")
-        waiting.replace(self.folder / MANIFEST)
+        with written_whole(self.folder / MANIFEST) as waiting:
+            waiting.write_text(text, encoding="utf-8")
 
     def pieces(self) -> Iterator[tuple[Values, Values]]:
         """Times and rows of each segment, checked against its digest."""
@@ -164,13 +161,6 @@ def _read_piece(path: Path) -> tuple[Values, Values]:
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         return np.asarray(file["time"][:]), np.asarray(file["rows"][:])
-
-
-def _sealed(path: Path) -> str:
-    """Digest of a file that has reached the disk."""
-    with path.open("rb") as file:
-        os.fsync(file.fileno())
-    return _digest(path)
 
 
 def _digest(path: Path) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..errors import nearest, printable
+from ..errors import Problems, nearest, printable
 from ..fmi.description import Interface, Variable
 from ..units import UnitError
 from .schema import Scenario
@@ -26,7 +26,7 @@ def actions_of(
     interfaces: dict[str, Interface],
     held: dict[str, float],
     frequency: float | None,
-    problems: list[str],
+    problems: Problems,
 ) -> list[Action]:
     """Timed actions in the order of their times, one for each unit that is touched."""
     actions = []
@@ -34,7 +34,7 @@ def actions_of(
         where = f"actions[{index}]"
         time = seconds(f"{where}.at", action.at, frequency, problems)
         if not action.set:
-            problems.append(f"{where}.set: is empty; name what is to change")
+            problems.add(f"{where}.set", "is empty; name what is to change")
         touched: dict[str, dict[str, float | str]] = {}
         for name, value in action.set.items():
             component, _, rest = name.partition(".")
@@ -42,7 +42,7 @@ def actions_of(
                 variable = _settable(component, rest, interfaces, held)
                 touched.setdefault(component, {})[rest] = start_value(variable, value)
             except UnitError as error:
-                problems.append(f"{where}.set.{printable(name)}: {error}")
+                problems.add(f"{where}.set.{printable(name)}", error)
         actions += [Action(time, component, values) for component, values in touched.items()]
     return sorted(actions, key=lambda action: action.time)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ..errors import ScenarioError, nearest, printable
+from ..errors import Problems, ScenarioError, nearest, printable
 from ..fmi.description import Interface, Variable
 from ..units import UnitError, factor
 from .schema import Scenario, Wire
@@ -30,7 +30,7 @@ def connections_of(
     scenario: Scenario,
     interfaces: dict[str, Interface],
     fed: dict[str, str],
-    problems: list[str],
+    problems: Problems,
 ) -> list[Connection]:
     """Scalar connections of all wires; `fed` notes what feeds each input."""
     most = LAW_ORDERS[scenario.master.laws]
@@ -52,7 +52,7 @@ def connections_of(
                     Connection(source, output, target, input_, scale * wire.gain, wire.offset)
                 )
         except (ScenarioError, UnitError) as error:
-            problems.append(f"{where}: {error}")
+            problems.add(where, error)
             continue
     return connections
 
@@ -152,7 +152,7 @@ def held_of(
     scenario: Scenario,
     interfaces: dict[str, Interface],
     fed: dict[str, str],
-    problems: list[str],
+    problems: Problems,
 ) -> dict[str, float]:
     """Held inputs and their values; wires of the same input are told apart from them."""
     held: dict[str, float] = {}
@@ -169,14 +169,14 @@ def held_of(
                 raise ScenarioError("is a text; set it under components.*.start")
             held[name] = kept
         except (ScenarioError, UnitError) as error:
-            problems.append(f"{where}: {error}")
+            problems.add(where, error)
             continue
         fed[name] = where
     return held
 
 
 def check_all_fed(
-    interfaces: dict[str, Interface], fed: dict[str, str], problems: list[str]
+    interfaces: dict[str, Interface], fed: dict[str, str], problems: Problems
 ) -> None:
     """Every input is wired or held; silence would be an assumption.
 
@@ -194,4 +194,4 @@ def check_all_fed(
         for variable in lacking.values():
             name = f"{component}.{variable.name}"
             remedy = f'wire it, or hold: "{name}" = "0 {variable.unit}"'
-            problems.append(f"{name}: neither wired nor held; {remedy}")
+            problems.add(name, f"neither wired nor held; {remedy}")

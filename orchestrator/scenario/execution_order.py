@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ..errors import nearest
+from ..errors import Problems, nearest
 from .connections import Connection
 from .schema import Scenario
 
 
-def order_of(scenario: Scenario, connections: list[Connection], problems: list[str]) -> list[str]:
+def order_of(scenario: Scenario, connections: list[Connection], problems: Problems) -> list[str]:
     """Order as the scenario gives it, else from its wires.
 
     A unit comes after those that feed it, in the scenario's order otherwise. Units of a loop keep
@@ -21,12 +21,12 @@ def order_of(scenario: Scenario, connections: list[Connection], problems: list[s
         return _derived(listed, connections)
     for name in given:
         if name not in listed:
-            problems.append(f"master.order: no component {name!r}; {nearest(name, listed)}")
+            problems.add("master.order", f"no component {name!r}; {nearest(name, listed)}")
     unknown = set(given) - set(listed)
     if len(set(given)) != len(given):
-        problems.append("master.order: a component stands twice")
+        problems.add("master.order", "a component stands twice")
     elif not unknown and (missing := [name for name in listed if name not in given]):
-        problems.append(f"master.order: {', '.join(missing)} is missing")
+        problems.add("master.order", f"{', '.join(missing)} is missing")
     return list(given)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ..errors import nearest, printable
+from ..errors import Problems, nearest, printable
 from ..fmi.description import Interface, Variable
 from ..units import UnitError, si_value
 from .schema import Scenario
@@ -37,7 +37,7 @@ def faults_of(
     scenario: Scenario,
     interfaces: dict[str, Interface],
     frequency: float | None,
-    problems: list[str],
+    problems: Problems,
 ) -> list[Fault]:
     """Faults of a scenario in the FMUs' units."""
     found = []
@@ -48,50 +48,51 @@ def faults_of(
         if fault.until is not None:
             end = seconds(f"{where}.until", fault.until, frequency, problems)
         if not begin < end:
-            problems.append(f"{where}.until: has to be after at")
+            problems.add(f"{where}.until", "has to be after at")
         component, _, name = fault.on.partition(".")
         try:
-            variable = _told(component, name, fault.kind, interfaces)
+            variable = _output(component, name, fault.kind, interfaces)
+        except UnitError as error:
+            problems.add(f"{where}.on", error)
+            continue
+        try:
             size = _size(fault.kind, fault.size, variable)
         except UnitError as error:
-            problems.append(f"{where}.{error}")
+            problems.add(f"{where}.size", error)
             continue
         names = (variable.name,) if variable else _numbers(interfaces[component])
         found.append(Fault(begin, end, component, fault.kind, names, size, fault.seed))
     return found
 
 
-def _told(
+def _output(
     component: str, name: str, kind: str, interfaces: dict[str, Interface]
 ) -> Variable | None:
     """The output that a fault is on; None for all of a unit."""
     if component not in interfaces:
         hint = nearest(component, interfaces)
-        raise UnitError(f"on: no component {printable(component)!r}; {hint}")
+        raise UnitError(f"no component {printable(component)!r}; {hint}")
     if not name:
         if kind in SIZED:
-            raise UnitError(f"on: {kind} needs one output, as {component}.output")
+            raise UnitError(f"{kind} needs one output, as {component}.output")
         return None
     if kind == "drop":
-        raise UnitError(f"on: a unit drops out as a whole; write {component}")
+        raise UnitError(f"a unit drops out as a whole; write {component}")
     outputs = {v.name: v for v in interfaces[component].of("output") if v.real}
     if name not in outputs:
         hint = nearest(name, outputs)
-        raise UnitError(f"on: no real output {printable(name)!r} in {component}; {hint}")
+        raise UnitError(f"no real output {printable(name)!r} in {component}; {hint}")
     return outputs[name]
 
 
 def _size(kind: str, given: float | str | None, variable: Variable | None) -> float:
     if variable is None or kind not in SIZED:
         if given is not None:
-            raise UnitError(f"size: means nothing to {kind}")
+            raise UnitError(f"means nothing to {kind}")
         return 0.0
     if given is None:
-        raise UnitError(f"size: {kind} needs one, in {variable.unit or 'plain numbers'}")
-    try:
-        return si_value(given, variable.unit or "1")
-    except UnitError as error:
-        raise UnitError(f"size: {error}") from None
+        raise UnitError(f"{kind} needs one, in {variable.unit or 'plain numbers'}")
+    return si_value(given, variable.unit or "1")
 
 
 def _numbers(interface: Interface) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..errors import ScenarioError, nearest, printable
 from .files import read_tree, scenario_path
+from .metric_expression import expression_of
 
 DEEPEST_EXTENDS = 10
 LISTS = ("wires", "variables", "actions", "faults")
@@ -65,6 +66,7 @@ SHAPES: dict[str, tuple[type, str]] = {
     "hold": (dict, "a table"),
     "record": (dict, "a table"),
     "metrics": (dict, "a table"),
+    "plot": (dict, "a table"),
     "actions": (list, "a list of tables, written [[actions]]"),
     "faults": (list, "a list of tables, written [[faults]]"),
 }
@@ -134,6 +136,19 @@ def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
         record = tree.get("record", {})
         if "variables" in record:
             record["variables"] = [v for v in record["variables"] if not v.startswith(prefix)]
+        tree["metrics"] = {
+            key: text
+            for key, text in tree.get("metrics", {}).items()
+            if not _mentions(text, prefix)
+        }
+
+
+def _mentions(text: Any, prefix: str) -> bool:
+    """Whether a metric needs a variable of a component; what cannot be read is kept."""
+    try:
+        return any(name.startswith(prefix) for name in expression_of(text).variables)
+    except (ValueError, TypeError, AttributeError):
+        return False
 
 
 def _release(base: dict[str, Any], wires: Any) -> None:

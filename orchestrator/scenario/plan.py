@@ -6,14 +6,13 @@ that does not fit.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import FmuError, RecordingError, ScenarioError, nearest, printable
+from ..errors import FmuError, Problems, RecordingError, nearest, printable
 from ..fmi.description import Interface, Variable, read_interface
 from ..fmi.instance.base import Limits
 from ..units import UnitError, si_value
@@ -22,6 +21,7 @@ from .connections import Connection, check_all_fed, connections_of, held_of
 from .execution_order import order_of
 from .faults import Fault, faults_of
 from .files import is_file
+from .metric_definitions import check_metrics
 from .schema import AUTO, Scenario
 from .start_values import starts_of
 from .substitution import without_replaced
@@ -64,11 +64,12 @@ class Plan:
 
     @property
     def leading(self) -> list[str]:
-        """Recorded variables whose errors count: the motion, else what is wired, else all."""
+        """Recorded variables whose errors count: `record.leading`, else what is wired, else all."""
         names = [f"{name}.{variable.name}" for name, variable in self.records]
-        moving = [n for n in names if n.rpartition(".")[2] in {"displacement", "flap_angle"}]
+        patterns = self.scenario.record.leading
+        chosen = [n for n in names if any(_matches(n, pattern) for pattern in patterns)]
         wired = {f"{c.source}.{c.output.name}" for c in self.connections if not c.output.order}
-        return moving or [name for name in names if name in wired] or names
+        return chosen or [name for name in names if name in wired] or names
 
     @property
     def fixed_step(self) -> list[str]:
@@ -78,20 +79,19 @@ class Plan:
 
 def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     """Resolve a scenario against its FMUs; `ScenarioError` with every problem."""
-    problems: list[str] = []
+    problems = Problems(path)
     if not scenario.components:
-        raise ScenarioError(f"{path}: components: a scenario needs at least one")
+        problems.add("components", "a scenario needs at least one")
     recordings = _recordings(scenario, path, problems)
     interfaces = _interfaces(scenario, path, library, recordings, problems)
-    if problems:
-        raise ScenarioError(f"{path}: {problem}" for problem in problems)
+    problems.check()
     whole = scenario
     scenario, dropped = without_replaced(scenario, interfaces, _replays(interfaces), problems)
     starts = starts_of(scenario, interfaces, problems)
     fed: dict[str, str] = {}
     connections = connections_of(scenario, interfaces, fed, problems)
     held = held_of(scenario, interfaces, fed, problems)
-    if not any(problem.startswith(("hold", "wires")) for problem in problems):
+    if not problems.at("hold", "wires"):
         check_all_fed(interfaces, fed, problems)
     order = order_of(scenario, connections, problems)
     records = _records(scenario, interfaces, problems)
@@ -100,20 +100,33 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     actions = actions_of(scenario, interfaces, held, frequency, problems)
     faults = faults_of(scenario, interfaces, frequency, problems)
     limits = _limits(scenario, problems)
+    check_metrics(scenario, interfaces, problems)
     if scenario.master.kind == AUTO:
         chosen = scenario.master.model_copy(update={"kind": usual(connections)})
         whole = whole.model_copy(update={"master": chosen})
     keep_from = _keep_from(scenario, grid, frequency, problems)
-    if problems or grid is None:
-        raise ScenarioError(f"{path}: {problem}" for problem in dict.fromkeys(problems))
+    problems.check()
+    assert grid is not None, "a grid is missing only beside a problem"
     plan = Plan(
-        *(whole, path, interfaces, starts, connections, held, order, records),
-        *(grid, frequency, actions, faults, limits, keep_from),
+        scenario=whole,
+        path=path,
+        interfaces=interfaces,
+        starts=starts,
+        connections=connections,
+        held=held,
+        order=order,
+        records=records,
+        grid=grid,
+        frequency=frequency,
+        actions=actions,
+        faults=faults,
+        limits=limits,
+        keep_from=keep_from,
         recordings=recordings,
         dropped=dropped,
     )
-    if problems := list(_uneven(plan)):
-        raise ScenarioError(f"{path}: {problem}" for problem in problems)
+    _check_even(plan, problems)
+    problems.check()
     return plan
 
 
@@ -130,7 +143,7 @@ def usual(connections: list[Connection]) -> str:
     return "extrapolated" if mutual - lawful else "gauss-seidel"
 
 
-def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:
+def _limits(scenario: Scenario, problems: Problems) -> dict[str, Limits]:
     """What each isolated unit may take, where the scenario says so."""
     limits = {}
     for name, component in scenario.components.items():
@@ -144,10 +157,10 @@ def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:
             try:
                 values[key] = si_value(given, unit)
             except UnitError as error:
-                problems.append(f"components.{name}.{key}: {error}")
+                problems.add(f"components.{name}.{key}", error)
                 continue
             if values[key] <= 0.0:
-                problems.append(f"components.{name}.{key}: must be above zero")
+                problems.add(f"components.{name}.{key}", "must be above zero")
         usual = Limits()
         limits[name] = Limits(
             values.get("patience", usual.patience), int(values.get("memory", usual.memory))
@@ -156,30 +169,33 @@ def _limits(scenario: Scenario, problems: list[str]) -> dict[str, Limits]:
 
 
 def _keep_from(
-    scenario: Scenario, grid: Grid | None, frequency: float | None, problems: list[str]
+    scenario: Scenario, grid: Grid | None, frequency: float | None, problems: Problems
 ) -> float:
     """Time from which rows are kept: all of the run, or a last stretch of it."""
     if scenario.record.last is None or grid is None:
         return -inf
     last = seconds("record.last", scenario.record.last, frequency, problems)
     if last <= 0.0:
-        problems.append("record.last: must be above zero")
+        problems.add("record.last", "must be above zero")
     return grid.stop - last - 1e-9 * grid.step
 
 
-def _uneven(plan: Plan) -> Iterator[str]:
+def _check_even(plan: Plan, problems: Problems) -> None:
     """What a scenario asks of units that take steps of one size only."""
     fixed = ", ".join(plan.fixed_step)
     grid = plan.grid
     if not fixed:
         return
     if abs(grid.start + grid.count * grid.step - grid.stop) > 1e-9 * grid.step:
-        yield (
-            f"time.stop: {fixed} takes steps of one size only, and {grid.stop - grid.start:g} s is"
-            f" no multiple of {grid.step:g} s"
+        problems.add(
+            "time.stop",
+            f"{fixed} takes steps of one size only, and {grid.stop - grid.start:g} s is not a"
+            f" multiple of {grid.step:g} s",
         )
     if plan.scenario.time.tolerance is not None:
-        yield f"time.tolerance: needs steps of any size, which {fixed} cannot take; give a step"
+        problems.add(
+            "time.tolerance", f"needs steps of any size, which {fixed} cannot take; give a step"
+        )
 
 
 def fmu_path(name: str, scenario: Path, library: Path) -> Path:
@@ -198,7 +214,7 @@ def interface_of(name: str, scenario: Path, library: Path) -> Interface:
     return read_interface(file)
 
 
-def _recordings(scenario: Scenario, path: Path, problems: list[str]) -> dict[str, Recording]:
+def _recordings(scenario: Scenario, path: Path, problems: Problems) -> dict[str, Recording]:
     """Recordings of a scenario, read and checked; nothing is imported where there is none."""
     found: dict[str, Recording] = {}
     for name, component in scenario.components.items():
@@ -209,7 +225,8 @@ def _recordings(scenario: Scenario, path: Path, problems: list[str]) -> dict[str
         try:
             found[name] = open_recording(component, path)
         except RecordingError as error:
-            problems += [f"components.{name}.data: {line}" for line in str(error).split("\n")]
+            for line in error.problems:
+                problems.add(f"components.{name}.data", line)
     return found
 
 
@@ -229,14 +246,14 @@ def _interfaces(
     path: Path,
     library: Path,
     recordings: dict[str, Recording],
-    problems: list[str],
+    problems: Problems,
 ) -> dict[str, Interface]:
     """Interface of each component, each file read once."""
     known: dict[Path, Interface] = {}
     interfaces: dict[str, Interface] = {}
     for name, component in scenario.components.items():
         if not name.isidentifier():
-            problems.append(f"components.{printable(name)}: not a name of letters, digits and _")
+            problems.add(f"components.{printable(name)}", "not a name of letters, digits and _")
             continue
         if component.fmu is None:
             if name in recordings:
@@ -247,7 +264,7 @@ def _interfaces(
             try:
                 known[file] = interface_of(component.fmu, path, library)
             except FmuError as error:
-                problems.append(f"components.{name}.fmu: {error}")
+                problems.add(f"components.{name}.fmu", error)
                 continue
         interfaces[name] = known[file]
     return interfaces
@@ -262,7 +279,7 @@ def _missing_part(name: str, library: Path) -> str:
 
 
 def _records(
-    scenario: Scenario, interfaces: dict[str, Interface], problems: list[str]
+    scenario: Scenario, interfaces: dict[str, Interface], problems: Problems
 ) -> list[tuple[str, Variable]]:
     """Outputs that match a pattern of the record list, in the scenario's order."""
     patterns = scenario.record.variables
@@ -276,7 +293,7 @@ def _records(
     for index, pattern in enumerate(patterns):
         if not any(_matches(name, pattern) for name in names):
             hint = nearest(pattern, names)
-            problems.append(f"record.variables[{index}]: no output {printable(pattern)!r}; {hint}")
+            problems.add(f"record.variables[{index}]", f"no output {printable(pattern)!r}; {hint}")
     return [
         entry
         for entry, name in zip(outputs, names, strict=True)

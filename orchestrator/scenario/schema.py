@@ -129,21 +129,41 @@ class MasterSettings(Table):
 
 
 class Record(Table):
-    """Which outputs are kept, by pattern, every how many steps, and over what last stretch."""
+    """Which outputs are kept, by pattern, every how many steps, and over what last stretch.
+
+    `leading` are patterns of those whose error counts in studies and in the automatic step;
+    without it, the recorded outputs that are wired.
+    """
 
     variables: list[Text] = ["*"]
+    leading: list[Text] = []
     every: Annotated[int, Field(strict=True, ge=1)] = 1
     last: Quantity | None = None
 
 
 class Metrics(Table):
-    """Over how many of the last cycles the figures of the table are taken."""
+    """The figures of a run's table, and over how many of the last cycles they are taken.
 
+    Every other key is the name of a figure, its value an expression such as
+    `peak_to_peak(linkage.flap_angle) in deg`: :mod:`orchestrator.scenario.metric_expression`.
+    """
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    __pydantic_extra__: dict[str, Text] = Field(init=False)
     cycles: Annotated[int, Field(strict=True, ge=1)] = 5
+
+    @property
+    def defined(self) -> dict[str, str]:
+        """Expressions by the names of their figures."""
+        return dict(self.__pydantic_extra__ or {})
 
 
 class Scenario(Table):
-    """A whole scenario, `extends` resolved; `without` tells what has been left out on the way."""
+    """A whole scenario, `extends` resolved; `without` lists what was left out on the way.
+
+    `plot` gives the panels of the picture: label, and patterns of variables, as
+    `amplifier.*.voltage in kV`.
+    """
 
     title: Text = ""
     without: list[Text] = []
@@ -156,6 +176,7 @@ class Scenario(Table):
     faults: list[FaultSpec] = []
     record: Record = Record()
     metrics: Metrics = Metrics()
+    plot: dict[str, Text] = {}
 
 
 def json_schema() -> dict[str, Any]:

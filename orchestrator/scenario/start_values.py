@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from ..errors import nearest
+from ..errors import Problems, nearest
 from ..fmi.description import Interface, Variable
 from ..units import UnitError, si_value
 from .schema import Scenario
 
 
 def starts_of(
-    scenario: Scenario, interfaces: dict[str, Interface], problems: list[str]
+    scenario: Scenario, interfaces: dict[str, Interface], problems: Problems
 ) -> dict[str, dict[str, float | str]]:
     """Start values in the FMUs' units, by component and variable."""
     starts: dict[str, dict[str, float | str]] = {}
@@ -23,12 +23,12 @@ def starts_of(
                 hint = (
                     f"it is an {known[key].causality}" if key in known else nearest(key, settable)
                 )
-                problems.append(f"{where}: no parameter {key!r} in {name}; {hint}")
+                problems.add(where, f"no parameter {key!r} in {name}; {hint}")
                 continue
             try:
                 starts[name][key] = start_value(settable[key], value)
             except UnitError as error:
-                problems.append(f"{where}: {error}")
+                problems.add(where, error)
     return starts
 
 

@@ -12,16 +12,17 @@ from __future__ import annotations
 from collections.abc import Collection
 from fnmatch import fnmatchcase
 
-from ..errors import nearest, printable
+from ..errors import Problems, nearest, printable
 from ..fmi.description import Interface
-from .schema import ActionSpec, Scenario, Wire
+from .metric_expression import expression_of
+from .schema import ActionSpec, Metrics, Scenario, Wire
 
 
 def without_replaced(
     scenario: Scenario,
     interfaces: dict[str, Interface],
     recorded: Collection[str],
-    problems: list[str],
+    problems: Problems,
 ) -> tuple[Scenario, list[str]]:
     """The scenario with what its recordings can take, and what was let go of, in words."""
     if not recorded:
@@ -49,11 +50,19 @@ def without_replaced(
         else:
             variables.append(pattern)
     record = scenario.record.model_copy(update={"variables": variables})
+    metrics: dict[str, int | str] = {"cycles": scenario.metrics.cycles}
+    for key, text in scenario.metrics.defined.items():
+        missing = _missing(text, recorded, interfaces)
+        if missing:
+            told.append(f"metric {key}: {missing} is not in the recording")
+        else:
+            metrics[key] = text
     left = {
         "wires": wires,
         "hold": hold,
         "actions": [a for a in actions if a.set],
         "record": record,
+        "metrics": Metrics.model_validate(metrics),
     }
     return scenario.model_copy(update=left), told
 
@@ -64,7 +73,7 @@ def _replaced_wire(
     interfaces: dict[str, Interface],
     recorded: Collection[str],
     told: list[str],
-    problems: list[str],
+    problems: Problems,
 ) -> bool:
     """Whether a wire has lost an end to a recording; a problem noted where it is needed."""
     shown = f"wire {wire.source} -> {wire.target}"
@@ -85,11 +94,25 @@ def _replaced_wire(
         return True
     wanted = f"{rest}.{first.member}"
     hint = nearest(wanted, interfaces[name].variables)
-    problems.append(
-        f"wires {printable(wire.source)} -> {printable(wire.target)}: the recording has no column"
-        f' {printable(wanted)}; {hint}; record it, or hold "{target}.{first.name}"'
+    problems.add(
+        f"wires {printable(wire.source)} -> {printable(wire.target)}",
+        "the recording has no column"
+        f' {printable(wanted)}; {hint}; record it, or hold "{target}.{first.name}"',
     )
     return True
+
+
+def _missing(text: str, recorded: Collection[str], interfaces: dict[str, Interface]) -> str:
+    """The first variable of a metric that a recording does not have; "" where it has all."""
+    try:
+        variables = expression_of(text).variables
+    except ValueError:
+        return ""
+    for variable in variables:
+        name, _, rest = variable.partition(".")
+        if name in recorded and rest not in interfaces[name].variables:
+            return variable
+    return ""
 
 
 def _kept(action: ActionSpec, recorded: Collection[str], told: list[str]) -> ActionSpec:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil, isclose, isfinite
 
+from ..errors import Problems
 from ..fmi.description import Interface
 from ..units import UnitError, si_value
 from .schema import AUTO, PerCycle, Scenario
@@ -30,17 +31,17 @@ def frequency_of(
     scenario: Scenario,
     interfaces: dict[str, Interface],
     starts: dict[str, dict[str, float | str]],
-    problems: list[str],
+    problems: Problems,
 ) -> float | None:
     """Frequency of a cycle: `time.frequency`, else the one parameter of that name."""
     if scenario.time.frequency is not None:
         try:
             value = si_value(scenario.time.frequency, "Hz")
         except UnitError as error:
-            problems.append(f"time.frequency: {error}")
+            problems.add("time.frequency", error)
             return None
         if value <= 0.0:
-            problems.append("time.frequency: must be above zero")
+            problems.add("time.frequency", "must be above zero")
             return None
         return value
     found = [
@@ -58,17 +59,17 @@ def _has_parameter(interface: Interface, name: str) -> bool:
     return variable is not None and variable.causality == "parameter"
 
 
-def grid_of(scenario: Scenario, frequency: float | None, problems: list[str]) -> Grid | None:
+def grid_of(scenario: Scenario, frequency: float | None, problems: Problems) -> Grid | None:
     """Communication points; the last step is shortened where `stop` is no multiple."""
     time = scenario.time
     before = len(problems)
-    if any(problem.startswith("time.frequency") for problem in problems):
+    if problems.at("time.frequency"):
         return None
     start = seconds("time.start", time.start, frequency, problems)
     stop = seconds("time.stop", time.stop, frequency, problems)
     if isinstance(time.step, PerCycle):
         if frequency is None:
-            problems.append("time.step: per_cycle needs a frequency; give time.frequency")
+            problems.add("time.step", "per_cycle needs a frequency; give time.frequency")
         step = 1.0 / frequency / time.step.per_cycle if frequency else 1.0
     elif time.step == AUTO:
         step = trial_step(start, stop, frequency)
@@ -78,15 +79,15 @@ def grid_of(scenario: Scenario, frequency: float | None, problems: list[str]) ->
         return None
     span = stop - start
     if not (isfinite(span) and isfinite(step)):
-        problems.append("time.stop: start, stop and step have to be finite; see the frequency")
+        problems.add("time.stop", "start, stop and step have to be finite; see the frequency")
     elif step <= 0.0:
-        problems.append(f"time.step: must be above zero, got {step:g} s")
+        problems.add("time.step", f"must be above zero, got {step:g} s")
     elif span <= 0.0:
-        problems.append(f"time.stop: {stop:g} s is not after time.start, {start:g} s")
+        problems.add("time.stop", f"{stop:g} s is not after time.start, {start:g} s")
     elif step > span * (1.0 + 1e-12):
-        problems.append(f"time.step: {step:g} s is longer than the run of {span:g} s")
+        problems.add("time.step", f"{step:g} s is longer than the run of {span:g} s")
     elif not span / MOST_STEPS <= step:
-        problems.append(f"time.step: with {step:g} s the steps are more than {MOST_STEPS:.0e}")
+        problems.add("time.step", f"with {step:g} s the steps are more than {MOST_STEPS:.0e}")
     if len(problems) > before:
         return None
     whole = round(span / step)
@@ -99,17 +100,17 @@ def trial_step(start: float, stop: float, frequency: float | None) -> float:
     return min(stop - start, 1.0 / frequency if frequency else stop - start) / 10.0
 
 
-def seconds(where: str, value: float | str, frequency: float | None, problems: list[str]) -> float:
+def seconds(where: str, value: float | str, frequency: float | None, problems: Problems) -> float:
     """A time in seconds or cycles; a problem noted and 0 returned where it is neither."""
     try:
         if isinstance(value, str):
             number, _, unit = value.strip().partition(" ")
             if unit.strip() in {"cycle", "cycles"}:
                 if frequency is None:
-                    problems.append(f"{where}: cycles need a frequency; give time.frequency")
+                    problems.add(where, "cycles need a frequency; give time.frequency")
                     return 0.0
                 return si_value(number, "1") / frequency
         return si_value(value, "s")
     except UnitError as error:
-        problems.append(f"{where}: {error}")
+        problems.add(where, error)
         return 0.0

@@ -38,16 +38,23 @@ class CoupledInstance:
         self.direct = False
         self.plain = _plain(arriving)
         self._values = values
-        self._moves = _moves(self.inputs, values, sources)
+        self.moves = _moves(self.inputs, values, sources)
         self._gain: Values | None = None
         self._offset: Values | None = None
         if any(c.gain != 1.0 or c.offset != 0.0 for c in arriving):
             self._gain = np.array([c.gain for c in arriving])
             self._offset = np.array([c.offset for c in arriving])
 
+    @property
+    def scaling(self) -> tuple[Values, Values] | None:
+        """Gains and offsets of the wired inputs; None where none has any."""
+        if self._gain is None or self._offset is None:
+            return None
+        return self._gain, self._offset
+
     def gather(self) -> None:
         """Bring the inputs up to date with what the others put out, and pass them on."""
-        for target, source in self._moves:
+        for target, source in self.moves:
             target[:] = source
         self._pass_on()
 

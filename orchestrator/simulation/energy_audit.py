@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import NoReturn
 
 from ..errors import Divergence
 from ..scenario.connections import Connection
@@ -73,19 +74,20 @@ class Coupling:
     exchanged: float = 0.0
     age: int = 0
     history: list[tuple[float, float]] = field(default_factory=list)
-    _last: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    last: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    motion: dict[str, float] = field(default_factory=dict)
 
     def begin(self, system: System, time: float) -> None:
         """Note where a run starts."""
         values = system.values
         effort = float(values[self.effort]) * self.scale
-        self._last = (time, effort, float(values[self.flow]), effort)
-        self._motion = {name: float(values[k]) for name, k in self.back.items()}
+        self.last = (time, effort, float(values[self.flow]), effort)
+        self.motion = {name: float(values[k]) for name, k in self.back.items()}
 
     def add(self, system: System, time: float) -> None:
         """Account for the step that ends here."""
         values = system.values
-        then, effort, flow, earlier = self._last
+        then, effort, flow, earlier = self.last
         size = time - then
         now, moving = float(values[self.effort]) * self.scale, float(values[self.flow])
         used = self.receiver.inputs
@@ -97,13 +99,13 @@ class Coupling:
         else:
             members = {name: float(used[k]) for name, k in self.inputs.items()}
             motion = {name: float(values[k]) for name, k in self.back.items()}
-            first = self.law(members, self._motion, then) - effort
+            first = self.law(members, self.motion, then) - effort
             last = self.law(members, motion, time) - now
             work = self.share * (first * flow + last * moving)
-            self._motion = motion
+            self.motion = motion
         self.created += work * size
         self.exchanged += 0.5 * size * (abs(effort * flow) + abs(now * moving))
-        self._last = (time, now, moving, effort)
+        self.last = (time, now, moving, effort)
 
     @property
     def ratio(self) -> float:
@@ -116,7 +118,7 @@ class Audit:
 
     def __init__(self, system: System) -> None:
         self.couplings = list(_found(system))
-        self._count = 0
+        self.count = 0
 
     def summary(self) -> dict[str, tuple[float, float]]:
         """Energy created and exchanged by each coupling so far [J]."""
@@ -131,17 +133,20 @@ class Audit:
             coupling.add(system, time)
             coupling.age += coupling.exchanged > 0.0
             coupling.history.append((coupling.created, coupling.exchanged))
-        self._count += 1
-        if self._count % CHECKED == 0:
+        self.count += 1
+        if self.count % CHECKED == 0:
             for coupling in self.couplings:
                 del coupling.history[: -SPANS[-1] - 1]
                 if span := _fed(coupling.history, coupling.age):
-                    raise Divergence(
-                        f"{coupling.name} creates energy: what it exchanges has grown steadily for"
-                        f" {span} steps, t = {time:.6g} s, and {coupling.created:.3g} J of it came"
-                        " from nowhere; lower the step, connect whole ports, or use"
-                        " interface-newton"
-                    )
+                    self.stop(coupling, span, time)
+
+    def stop(self, coupling: Coupling, span: int, time: float) -> NoReturn:
+        """Raise `Divergence` for a coupling that has fed a growth over `span` steps."""
+        raise Divergence(
+            f"{coupling.name} creates energy: what it exchanges has grown steadily for"
+            f" {span} steps, t = {time:.6g} s, and {coupling.created:.3g} J of it came"
+            " from nowhere; lower the step, connect whole ports, or use interface-newton"
+        )
 
 
 def _fed(history: list[tuple[float, float]], age: int) -> int:

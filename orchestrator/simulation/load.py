@@ -6,11 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import ScenarioError
+from ..errors import Problems, ScenarioError
 from ..scenario.parse import load_scenario
 from ..scenario.plan import LIBRARY, Plan, check
 from ..scenario.schema import AUTO, MasterSettings, Scenario
-from .masters import master
+from .masters import master_class
 
 
 def load(
@@ -37,27 +37,28 @@ def planned(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
         time = scenario.time.model_copy(update={"step": advice.step})
         plan = check(scenario.model_copy(update={"time": time}), path, library)
         plan = replace(plan, advice=str(advice))
-    if problems := _unsuited(plan):
-        raise ScenarioError(f"{path}: {problem}" for problem in problems)
+    _unsuited(plan).check()
     return plan
 
 
-def _unsuited(plan: Plan) -> list[str]:
+def _unsuited(plan: Plan) -> Problems:
     """What the chosen master cannot do with these units, or does not know."""
     settings = plan.scenario.master
+    problems = Problems(plan.path)
     try:
-        method = master(settings.kind)
+        master = master_class(settings.kind)
     except ScenarioError as error:
-        return error.problems
-    problems = []
+        problems.add("master.kind", error)
+        return problems
     unable = [name for name, interface in plan.interfaces.items() if not interface.rollback]
-    if method.needs_rollback and unable:
-        problems.append(
-            f"master.kind: {settings.kind} needs rollback, which {', '.join(unable)} cannot do;"
-            " gauss-seidel and extrapolated work without it"
+    if master.needs_rollback and unable:
+        problems.add(
+            "master.kind",
+            f"{settings.kind} needs rollback, which {', '.join(unable)} cannot do;"
+            " gauss-seidel and extrapolated work without it",
         )
     every = {key for key in MasterSettings.model_fields if key not in {"kind", "laws", "order"}}
-    for key in sorted(settings.model_fields_set & every - set(method.options)):
-        known = ", ".join(method.options) or "no further key"
-        problems.append(f"master.{key}: means nothing to {settings.kind}, which takes {known}")
+    for key in sorted(settings.model_fields_set & every - set(master.options)):
+        known = ", ".join(master.options) or "no further key"
+        problems.add(f"master.{key}", f"means nothing to {settings.kind}, which takes {known}")
     return problems

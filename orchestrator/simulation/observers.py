@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from time import perf_counter
-from typing import Protocol
+from typing import NoReturn, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +35,8 @@ class Recorder:
         place = {name: index for index, name in enumerate(system.names)}
         self.names = [f"{name}.{variable.name}" for name, variable in system.plan.records]
         self._columns = np.array([place[name] for name in self.names], dtype=np.intp)
-        self._every = every
-        self._from = system.plan.keep_from
+        self.every = every
+        self.begin = system.plan.keep_from
         self._segments = segments
         self._full = max(256, self.SEGMENT // (8 * (len(self.names) + 1)))
         self._written = perf_counter()
@@ -46,20 +46,48 @@ class Recorder:
         self.count = 0
 
     def sample(self, system: System, step: int, time: float) -> None:
-        if step % self._every or time < self._from:
+        if step % self.every or time < self.begin:
             return
         if self.count == len(self._times):
-            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
-            self._times = np.concatenate([self._times, np.empty_like(self._times)])
+            self._grow()
         np.take(system.values, self._columns, out=self._rows[self.count])
         self._times[self.count] = time
         self.count += 1
         if self._segments is not None and self.count % 256 == 0:
-            late = perf_counter() - self._written > self.PATIENCE
-            if self.count >= self._full or late:
-                self._segments.write(self.times, self.rows)
-                self._written = perf_counter()
-                self.count = 0
+            self.write_if_late()
+
+    def _grow(self) -> None:
+        self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+        self._times = np.concatenate([self._times, np.empty_like(self._times)])
+
+    def make_room(self) -> None:
+        """Have room for at least one more row: in memory, or by closing a segment."""
+        self.write_if_late()
+        if self.count == len(self._times):
+            self._grow()
+
+    def write_if_late(self) -> bool:
+        """Close a segment where one is full or due; whether rows have left memory."""
+        if self._segments is None or not self.count:
+            return False
+        late = perf_counter() - self._written > self.PATIENCE
+        if self.count < self._full and not late:
+            return False
+        self._segments.write(self.times, self.rows)
+        self._written = perf_counter()
+        self.count = 0
+        return True
+
+    @property
+    def room(self) -> int:
+        """Rows that memory holds before some have to leave it or it has to grow."""
+        full = len(self._times)
+        return full if self._segments is None else min(full, self._full)
+
+    @property
+    def arrays(self) -> tuple[Values, Values, NDArray[np.intp]]:
+        """Times, rows and the recorded places of the system's values, as they are in memory."""
+        return self._times, self._rows, self._columns
 
     @property
     def times(self) -> Values:
@@ -88,50 +116,56 @@ class Guard:
 
     def __init__(self, system: System, growth: bool = True) -> None:
         variables = system.variables
-        self._every = self.WINDOW if growth else 0
-        self._high = np.array([self.BOUND if v.most is None else v.most for v in variables])
-        self._low = np.array([-self.BOUND if v.least is None else v.least for v in variables])
+        self.every = self.WINDOW if growth else 0
+        self.high = np.array([self.BOUND if v.most is None else v.most for v in variables])
+        self.low = np.array([-self.BOUND if v.least is None else v.least for v in variables])
         wired = {
             f"{c.source}.{c.output.name}" for c in system.plan.connections if not c.output.order
         }
-        self._wired = np.array([name in wired for name in system.names])
-        self._peak = np.zeros(len(variables))
-        self._last = np.zeros(len(variables))
-        self._growing = np.zeros(len(variables), dtype=int)
-        self._count = 0
+        self.wired = np.array([name in wired for name in system.names])
+        self.peak = np.zeros(len(variables))
+        self.previous = np.zeros(len(variables))
+        self.growing = np.zeros(len(variables), dtype=np.int64)
+        self.count = 0
 
     def sample(self, system: System, step: int, time: float) -> None:
         values = system.values
-        if not ((values <= self._high).all() and (values >= self._low).all()):
-            self._stop(system, time)
-        if not self._every:
+        if not ((values <= self.high).all() and (values >= self.low).all()):
+            self.stop_out_of_bounds(system, time)
+        if not self.every:
             return
-        np.maximum(self._peak, np.abs(values), out=self._peak)
-        self._count += 1
-        if self._count % self._every == 0:
+        np.maximum(self.peak, np.abs(values), out=self.peak)
+        self.count += 1
+        if self.count % self.every == 0:
             self._compare(system, time)
 
     def _compare(self, system: System, time: float) -> None:
         """Close a window: count on where the peak has doubled, start again elsewhere."""
-        doubled = (self._peak >= 2.0 * self._last) & (self._last > 0.0)
-        self._growing = np.where(doubled & self._wired, self._growing + 1, 0)
-        if (self._growing >= self.WINDOWS).any():
-            index = int(np.argmax(self._growing))
-            raise Divergence(
-                f"{system.names[index]} grows without end: {self._peak[index]:.3g}"
-                f" {system.variables[index].unit} at t = {time:.6g} s, doubling every"
-                f" {self.WINDOW} steps; lower the step or use laws"
-            )
-        self._last, self._peak = self._peak, np.zeros_like(self._peak)
+        doubled = (self.peak >= 2.0 * self.previous) & (self.previous > 0.0)
+        self.growing[:] = np.where(doubled & self.wired, self.growing + 1, 0)
+        if (self.growing >= self.WINDOWS).any():
+            self.stop_growth(system, time)
+        self.previous[:] = self.peak
+        self.peak[:] = 0.0
 
-    def _stop(self, system: System, time: float) -> None:
+    def stop_growth(self, system: System, time: float) -> NoReturn:
+        """Raise `Divergence` for the value that has doubled for longest."""
+        index = int(np.argmax(self.growing))
+        raise Divergence(
+            f"{system.names[index]} grows without end: {self.peak[index]:.3g}"
+            f" {system.variables[index].unit} at t = {time:.6g} s, doubling every"
+            f" {self.WINDOW} steps; lower the step or use laws"
+        )
+
+    def stop_out_of_bounds(self, system: System, time: float) -> NoReturn:
+        """Raise `Divergence` for the first value that is outside of its bounds, or not finite."""
         values = system.values
-        bad = ~((values <= self._high) & (values >= self._low))
+        bad = ~((values <= self.high) & (values >= self.low))
         index = int(np.argmax(bad))
         name, value = system.names[index], float(values[index])
         unit = system.variables[index].unit
         if np.isfinite(value):
-            low, high = self._low[index], self._high[index]
+            low, high = self.low[index], self.high[index]
             what = f"is outside {low:g} to {high:g} {unit}"
         else:
             what = "is not a finite number"

@@ -16,9 +16,10 @@ from ..results.error_estimate import halved
 from ..results.outcome import Outcome, whole
 from ..results.segments import Segments
 from ..scenario.plan import Plan
+from .compiled.drive import drive, unsuited
 from .energy_audit import Audit
 from .interrupt import Interrupt, Interrupted
-from .masters import Master, master
+from .masters import Master, master_class
 from .observers import Guard, Observer, Progress, Recorder
 from .step_control import adaptive
 from .stepper import Stepper
@@ -93,7 +94,7 @@ def _stepped(
     with System(plan) as system:
         settings = plan.scenario.master
         tolerance = plan.scenario.time.tolerance
-        method = master(settings.kind)(system, settings)
+        master = master_class(settings.kind)(system, settings)
         recorder = Recorder(system, plan.scenario.record.every, segments)
         bar = Progress(system) if progress else None
         even = tolerance is None and points is None
@@ -103,17 +104,20 @@ def _stepped(
             watching.append(audit)
         if bar is not None:
             watching.append(bar)
+        reason = unsuited(system, master, watching)
         failure: Exception | None = None
         taken: Sequence[float] = []
         rejected = 0
         begun = perf_counter()
         try:
-            if points is not None:
-                taken, steps = points, along(system, method, points, watching, interrupt)
-            elif tolerance is None:
-                taken, steps = _grid_points(plan), advance(system, method, watching, interrupt)
+            if points is not None or tolerance is None:
+                taken = _grid_points(plan) if points is None else points
+                if reason:
+                    steps = _in_python(system, master, watching, interrupt, points)
+                else:
+                    steps = drive(system, master, watching, interrupt, points)
             else:
-                taken, steps, rejected = adaptive(system, method, tolerance, watching, interrupt)
+                taken, steps, rejected = adaptive(system, master, tolerance, watching, interrupt)
         except (SimulationError, OutputError, Interrupted) as error:
             failure = error
             steps = max((m.instance.steps for m in system.instances), default=0)
@@ -124,14 +128,35 @@ def _stepped(
         calls = {m.instance.name: m.instance.steps for m in system.instances}
         rollbacks = {m.instance.name: m.instance.rollbacks for m in system.instances}
     return Outcome(
-        *(plan, recorder.names, recorder.times, recorder.rows, wall_time, steps, calls, failure),
+        plan=plan,
+        names=recorder.names,
+        times=recorder.times,
+        rows=recorder.rows,
+        wall_time=wall_time,
+        steps=steps,
+        calls=calls,
+        failure=failure,
         couplings=audit.summary(),
         points=taken,
         rejected=rejected,
         rollbacks=rollbacks,
         residual=system.residual,
         segments=segments,
+        python_loop="step control" if tolerance is not None and points is None else reason,
     )
+
+
+def _in_python(
+    system: System,
+    master: Master,
+    watching: Sequence[Observer],
+    interrupt: Interrupt | None,
+    points: Sequence[float] | None,
+) -> int:
+    """The loop in Python, over the grid or over given points: number of steps."""
+    if points is None:
+        return advance(system, master, watching, interrupt)
+    return along(system, master, points, watching, interrupt)
 
 
 class _GridPoints(Sequence[float]):
@@ -155,7 +180,7 @@ def _grid_points(plan: Plan) -> Sequence[float]:
 
 def advance(
     system: System,
-    method: Master,
+    master: Master,
     watching: Sequence[Observer],
     interrupt: Interrupt | None = None,
 ) -> int:
@@ -165,7 +190,7 @@ def advance(
     are kept at the points of the grid alone, so that they stay equidistant.
     """
     grid = system.plan.grid
-    stepper = Stepper(system, method)
+    stepper = Stepper(system, master)
     for observer in watching:
         observer.sample(system, 0, grid.start)
     for k in range(grid.count):
@@ -180,13 +205,13 @@ def advance(
 
 def along(
     system: System,
-    method: Master,
+    master: Master,
     points: Sequence[float],
     watching: Sequence[Observer],
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system over given communication points; number of steps taken."""
-    stepper = Stepper(system, method)
+    stepper = Stepper(system, master)
     for observer in watching:
         observer.sample(system, 0, points[0])
     for k, (time, end) in enumerate(pairwise(points), start=1):

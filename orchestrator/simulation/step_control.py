@@ -48,34 +48,34 @@ class Doubling:
     rejects = True
 
     def __init__(self, stepper: Stepper, columns: Indices) -> None:
-        self._walk = stepper
+        self._stepper = stepper
         self._columns = columns
         self._moment = stepper.system.save()
-        self._memory = stepper.method.remember()
+        self._memory = stepper.master.remember()
         self.points: list[float] = []
 
     def attempt(self, time: float, size: float) -> Values:
-        system, method = self._walk.system, self._walk.method
+        system, master = self._stepper.system, self._stepper.master
         half = 0.5 * size
-        method.advance(time, size)
+        master.advance(time, size)
         whole = system.values[self._columns].copy()
         system.restore(self._moment)
-        method.recall(self._memory)
-        method.advance(time, half)
-        method.advance(time + half, time + size - (time + half))
-        self._walk.steps += 3
+        master.recall(self._memory)
+        master.advance(time, half)
+        master.advance(time + half, time + size - (time + half))
+        self._stepper.steps += 3
         self.points = [time + half, time + size]
         return np.abs(whole - system.values[self._columns])
 
     def undo(self) -> None:
-        self._walk.system.restore(self._moment)
-        self._walk.method.recall(self._memory)
+        self._stepper.system.restore(self._moment)
+        self._stepper.master.recall(self._memory)
 
     def accept(self) -> None:
-        system = self._walk.system
+        system = self._stepper.system
         system.forget(self._moment)
         self._moment = system.save()
-        self._memory = self._walk.method.remember()
+        self._memory = self._stepper.master.remember()
 
 
 class Foresight:
@@ -84,17 +84,17 @@ class Foresight:
     rejects = False
 
     def __init__(self, stepper: Stepper, columns: Indices) -> None:
-        self._walk = stepper
+        self._stepper = stepper
         self._columns = columns
         self._past = Past(3)
         self.points: list[float] = []
 
     def attempt(self, time: float, size: float) -> Values:
-        values = self._walk.system.values
+        values = self._stepper.system.values
         past, end = self._past, time + size
         past.note(time, values[self._columns])
-        self._walk.method.advance(time, size)
-        self._walk.steps += 1
+        self._stepper.master.advance(time, size)
+        self._stepper.steps += 1
         self.points = [end]
         seen = combined(point_weights(past.times, end, size), past.values)
         return MILNE * np.abs(seen - values[self._columns])
@@ -112,7 +112,7 @@ class Foresight:
 
 def adaptive(
     system: System,
-    method: Master,
+    master: Master,
     tolerance: float,
     watching: Sequence[Observer],
     interrupt: Interrupt | None = None,
@@ -126,7 +126,7 @@ def adaptive(
     """
     plan = system.plan
     grid = plan.grid
-    stepper = Stepper(system, method)
+    stepper = Stepper(system, master)
     columns = _columns(system)
     able = all(known.rollback for known in plan.interfaces.values())
     estimator = Doubling(stepper, columns) if able else Foresight(stepper, columns)

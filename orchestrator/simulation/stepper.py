@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from .masters import Master
 from .system import System
 
@@ -17,21 +19,26 @@ class Stepper:
     at the next communication point. `steps` counts calls of the master.
     """
 
-    def __init__(self, system: System, method: Master) -> None:
+    def __init__(self, system: System, master: Master) -> None:
         self.system = system
-        self.method = method
+        self.master = master
         self.steps = 0
         self.whole = bool(system.plan.fixed_step)
-        self._margin = MERGED * system.plan.grid.step
+        self.margin = MERGED * system.plan.grid.step
         self._actions = list(system.plan.actions)
-        self._quiet = not (system.announces or self._actions)
+        self.quiet = not (system.announces or self._actions)
         self.act(system.plan.grid.start)
+
+    @property
+    def next_action(self) -> float:
+        """Time of the next timed action; infinity without one."""
+        return self._actions[0].time if self._actions else inf
 
     def act(self, time: float) -> None:
         """Carry out what is due at a communication point."""
-        while self._actions and self._actions[0].time <= time + self._margin:
+        while self._actions and self._actions[0].time <= time + self.margin:
             self.system.act(self._actions.pop(0))
-            self.method.interrupt()
+            self.master.interrupt()
 
     def cut(self, time: float, end: float) -> float:
         """Where a step from `time` has to end at the latest, `end` if nothing is between."""
@@ -40,12 +47,12 @@ class Stepper:
         stop = self.system.next_event()
         if self._actions:
             stop = min(stop, self._actions[0].time)
-        return stop if time + self._margin < stop < end - self._margin else end
+        return stop if time + self.margin < stop < end - self.margin else end
 
     def to(self, time: float, end: float, size: float) -> None:
         """Go from `time` to `end`, at best in one step of `size`."""
-        if self._quiet:
-            self.method.advance(time, size)
+        if self.quiet:
+            self.master.advance(time, size)
             self.steps += 1
             return
         while True:
@@ -59,13 +66,13 @@ class Stepper:
     def step(self, time: float, end: float, size: float) -> None:
         """One step of the master, with nothing in between; then what is due at its end."""
         event = self.system.next_event()
-        self.method.advance(time, size)
+        self.master.advance(time, size)
         self.steps += 1
         self.arrive(end, event)
 
     def arrive(self, end: float, event: float) -> None:
         """What is due at a point that is reached for good; `event` is the last announced."""
-        if event <= end + self._margin:
-            self.method.interrupt()
+        if event <= end + self.margin:
+            self.master.interrupt()
         if self._actions:
             self.act(end)

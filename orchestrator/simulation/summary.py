@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import printable
 from ..results.outcome import Outcome
+from ..results.run_warning import RunWarning
 from .energy_audit import LIMIT
 
 if TYPE_CHECKING:
@@ -42,17 +43,19 @@ def couplings(outcome: Outcome) -> Table:
     return table
 
 
-def warnings(outcome: Outcome) -> Iterator[str]:
+def warnings(outcome: Outcome) -> Iterator[RunWarning]:
     """What a user should know before trusting the numbers."""
     for name, (created, exchanged) in outcome.couplings.items():
         if exchanged and abs(created) > LIMIT * exchanged:
-            verb = "creates" if created > 0.0 else "loses"
-            yield (
-                f"{name} {verb} {abs(created) / exchanged:.1%} of the energy that it exchanges;"
+            share = created / exchanged
+            verb = "creates" if share > 0.0 else "loses"
+            text = (
+                f"{verb} {abs(share):.1%} of the energy that it exchanges;"
                 " lower the step or connect whole ports"
             )
+            yield RunWarning("coupling energy", name, text, share)
     if outcome.doubt:
-        yield f"no error estimate: {outcome.doubt}"
+        yield RunWarning("no estimate", "no error estimate", outcome.doubt)
     for name, interface in outcome.plan.interfaces.items():
         for warning in interface.warnings[:1]:
-            yield f"{name}: {warning}"
+            yield RunWarning("fmu", name, warning)

@@ -54,9 +54,9 @@ class System:
         self.variables: list[Variable] = []
         self.wired: Indices = np.zeros(0, dtype=np.intp)
         self.residual = 0.0
-        self._loop = False
+        self.loop = False
         self._stack = ExitStack()
-        self._events: list[int] = []
+        self.events: list[int] = []
 
     def __enter__(self) -> Self:
         try:
@@ -83,18 +83,18 @@ class System:
 
     def next_event(self) -> float:
         """Time of the next discontinuity that a unit announces; infinity without one."""
-        return min((float(self.values[i]) for i in self._events), default=np.inf)
+        return min((float(self.values[i]) for i in self.events), default=np.inf)
 
     @property
     def announces(self) -> bool:
         """Whether any unit announces discontinuities."""
-        return bool(self._events)
+        return bool(self.events)
 
     def follow(self) -> None:
         """Bring outputs that follow inputs directly up to the present communication point."""
         for coupled in self.followers:
             coupled.follow()
-        if self._loop:
+        if self.loop:
             try:
                 settle(self.followers, self.values, self.wired)
             except Unsettled as error:
@@ -192,7 +192,7 @@ class System:
                 self.variables.append(variable)
                 self.names.append(f"{name}.{variable.name}")
                 if variable.name == EVENT and variable.unit == "s":
-                    self._events.append(len(self.variables) - 1)
+                    self.events.append(len(self.variables) - 1)
         self.values = np.zeros(len(self.variables))
         sources = sorted({place[c.source, c.output.name] for c in plan.connections})
         self.wired = np.array(sources, dtype=np.intp)
@@ -209,8 +209,12 @@ class System:
             }
             from_places = [place[c.source, c.output.name] for c in arriving]
             coupled = CoupledInstance(
-                *(instances[name], self.values, stretch, arriving),
-                *(np.array(from_places, dtype=np.intp), held),
+                instance=instances[name],
+                values=self.values,
+                stretch=stretch,
+                arriving=arriving,
+                sources=np.array(from_places, dtype=np.intp),
+                held=held,
             )
             inputs = [c.input for c in arriving]
             inputs += [plan.interfaces[name].variables[key] for key in held]
@@ -250,7 +254,7 @@ class System:
                     direct.setdefault(name, set()).add(wired[name, key].source)
         names = list(direct)
         reach = reachable(names, [(s, n) for n, found in direct.items() for s in found & {*names}])
-        self._loop = any(name in reach[name] for name in names)
+        self.loop = any(name in reach[name] for name in names)
         done: list[str] = []
         waiting = [name for name in plan.order if name in direct]
         while waiting:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, printable
+from ..report.image import save_figure
+from ..results.netcdf import netcdf_name
+from ..scenario.metric_expression import expression_of
 from ..simulation.linear.state_space import Linear
-from .output_files import save_figure
+
+if TYPE_CHECKING:
+    import xarray
 
 MOST = 8
-
-
-METRICS = {"displacement": "travel", "flap_angle": "flapping_stroke"}
-"""Metric of a sweep that is twice the amplitude of an output."""
 
 
 @dataclass(frozen=True)
@@ -41,15 +44,33 @@ def beside(path: Path, drive: float) -> Beside:
             axes = [str(c) for c in data.coords if str(c).rpartition(".")[2] == "frequency"]
             if len(axes) != 1:
                 raise InputError(f"{path}: is no sweep over one frequency")
+            swings, phase = _measured(data)
             found = {
                 output: 0.5 * np.asarray(data[metric], float) / drive
-                for output, metric in METRICS.items()
-                if metric in data
+                for output, metric in swings.items()
             }
-            lags = np.asarray(data["phase"], float) if "phase" in data else None
+            lags = np.asarray(data[phase], float) if phase else None
             return Beside(np.asarray(data[axes[0]], float), found, lags, path.name)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, KeyError) as error:
         raise InputError(f"{path}: cannot be read as a sweep ({error})") from None
+
+
+def _measured(data: xarray.Dataset) -> tuple[dict[str, str], str]:
+    """Metrics of a sweep that are peak to peak values, by their output; and that of a phase."""
+    defined = json.loads(data.attrs["scenario"])["metrics"]
+    swings: dict[str, str] = {}
+    phase = ""
+    for name, text in defined.items():
+        column = netcdf_name(str(name))
+        if name == "cycles" or column not in data:
+            continue
+        expression = expression_of(str(text))
+        function = getattr(getattr(expression.tree, "func", None), "id", "")
+        if function == "peak_to_peak" and len(expression.variables) == 1:
+            swings[expression.variables[0]] = column
+        elif function == "phase":
+            phase = column
+    return swings, phase
 
 
 def draw(
@@ -79,7 +100,7 @@ def draw(
             axes[1].semilogx(frequencies, np.degrees(np.unwrap(np.angle(curve))))
     if swept is not None:
         for name in system.outputs[:MOST]:
-            if (found := swept.amplitudes.get(name.rpartition(".")[2])) is not None:
+            if (found := swept.amplitudes.get(name)) is not None:
                 label = printable(f"{name}, {swept.name}").replace("$", r"\$")
                 axes[0].loglog(swept.frequencies, found, "o", ms=3, label=label)
         if swept.lags is not None:
@@ -92,4 +113,7 @@ def draw(
             axis.axvline(frequency, color="k", ls=":", lw=0.8)
     axes[0].legend(fontsize=7)
     figure.tight_layout()
-    return save_figure(figure, path, 110)
+    try:
+        return save_figure(figure, path, 110)
+    finally:
+        pyplot.close(figure)

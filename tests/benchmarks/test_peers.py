@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from peers import measured as runs
+from peers import measured_run as runs
 from peers.cli import main
 from peers.figures import Cost, cost, oscillation
 from peers.measured_run import MeasuredRun, Setting

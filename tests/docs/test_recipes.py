@@ -16,6 +16,7 @@ from orchestrator.scenario.ssp.write import Package, write_ssp
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from orchestrator.studies.reference.monolith import as_recorded, monolithic
+from tests.processes import fresh
 
 RECIPES = Path(__file__).resolve().parents[2] / "docs" / "recipes"
 OWN = {"cofmpy": Path(sys.prefix) / "cofmpy" / "bin" / "python"}
@@ -63,7 +64,7 @@ def told(tool: str, archive: Path) -> dict[str, float]:
     if not python.exists():
         pytest.skip(f"{tool} has an environment of its own: make {python.parent.parent}/ready")
     done = subprocess.run(
-        [python, RECIPES / f"with_{tool}.py", archive], capture_output=True, text=True, timeout=120
+        fresh(python, RECIPES / f"with_{tool}.py", archive), capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr[-2000:]
     found: dict[str, float] = json.loads(done.stdout.strip().splitlines()[-1])
@@ -95,8 +96,8 @@ def test_the_container_is_a_part_of_ours(
     """The toolbox's FMU of the whole vehicle, run by our master as one foreign unit."""
     made = tmp_path / "vehicle.fmu"
     done = subprocess.run(
-        [sys.executable, RECIPES / "with_toolbox.py", archives["curvature"], made],
-        capture_output=True, text=True, timeout=120,
+        fresh(sys.executable, RECIPES / "with_toolbox.py", archives["curvature"], made),
+        capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-2000:]
     scenario = tmp_path / "container.toml"

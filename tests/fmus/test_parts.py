@@ -10,7 +10,6 @@ import importlib
 import io
 import math
 import subprocess
-import sys
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -28,6 +27,7 @@ from fmus.units import exponents
 from orchestrator.fmi.archive import extract
 from orchestrator.fmi.description import Interface, read_interface
 from orchestrator.fmi.instance import InProcessInstance, in_process
+from tests.processes import python
 
 PARTS = build_fmus.part_names()
 ACCURACY = {"membrane": 1e-5, "profile": 2e-5}
@@ -105,10 +105,9 @@ def test_fmpy_and_the_toolbox_find_nothing(library: Path, name: str) -> None:
         "print(stream.getvalue(), end='')\n"
     )
     done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", script, str(path)],
+        python("-W", "ignore", "-c", script, path),
         capture_output=True,
         text=True,
-        timeout=60,
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout == ""
@@ -360,10 +359,8 @@ os._exit(0)  # PythonFMU's library may corrupt the heap when a process ends
 def _host(path: Path, folder: Path, count: int, *options: str) -> str:
     interface = read_interface(path)
     extract(path, folder)
-    command = [sys.executable, *options, "-c", HOST, str(folder), interface.identifier]
-    done = subprocess.run(
-        [*command, interface.guid, str(count)], capture_output=True, text=True, timeout=240
-    )
+    command = python(*options, "-c", HOST, folder, interface.identifier)
+    done = subprocess.run([*command, interface.guid, str(count)], capture_output=True, text=True)
     return done.stdout.strip() + done.stderr[-500:]
 
 

@@ -56,7 +56,7 @@ def test_functions_are_annotated_and_use_the_subset(tree: ast.Module) -> None:
     for function in functions(tree):
         assert function.returns is not None, function.name
         assert all(a.annotation is not None for a in function.args.args), function.name
-        for node in ast.stepper(function):
+        for node in ast.walk(function):
             assert not isinstance(node, FORBIDDEN), (function.name, ast.unparse(node))
             if isinstance(node, ast.BinOp):
                 assert not isinstance(node.op, ast.Pow), (function.name, ast.unparse(node))
@@ -68,7 +68,7 @@ def test_functions_are_annotated_and_use_the_subset(tree: ast.Module) -> None:
 
 
 def test_only_the_allowed_mathematics(tree: ast.Module) -> None:
-    for node in ast.stepper(tree):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "math":
             assert node.attr in ALLOWED_MATH, node.attr
         if isinstance(node, ast.ImportFrom) and node.level == 0:
@@ -82,20 +82,20 @@ def test_floats_are_written_as_floats(tree: ast.Module) -> None:
     for function in functions(tree):
         names = {
             inner.id
-            for loop in ast.stepper(function)
+            for loop in ast.walk(function)
             if isinstance(loop, ast.For)
-            for inner in ast.stepper(loop.target)
+            for inner in ast.walk(loop.target)
             if isinstance(inner, ast.Name)
         }
         names |= {
             assign.targets[0].id
-            for assign in ast.stepper(function)
+            for assign in ast.walk(function)
             if isinstance(assign, ast.Assign)
             and isinstance(assign.targets[0], ast.Name)
             and "int(" in ast.unparse(assign.value)
             and "float(int(" not in ast.unparse(assign.value)
         }
-        for node in ast.stepper(function):
+        for node in ast.walk(function):
             if isinstance(node, ast.BinOp | ast.Compare):
                 parts = (
                     [node.left, node.right]
@@ -124,7 +124,7 @@ def test_records_are_built_with_all_fields_by_name(tree: ast.Module) -> None:
         for node in tree.body
         if isinstance(node, ast.ClassDef)
     }
-    for node in ast.stepper(tree):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             fields = records.get(node.func.id)
             if fields is not None:

@@ -19,9 +19,11 @@ from pathlib import Path
 from typing import Any
 
 from tests.foreign.host import FMICallException, hosted
+from tests.foreign.scenarios import HANGS
+from tests.processes import POLL, REACHED
 
-HANGS = {2, 14, 16}
-PATIENCE, LONG_PATIENCE = 0.5, 60.0
+PATIENCE = 0.5
+"""Seconds that a process gets to go on after it has reached its fault_time, or its hang."""
 SPARE_MEMORY = 128 << 20
 STEP, STEPS = 0.25, 4
 
@@ -32,7 +34,7 @@ class Job:
 
     process: int
     folder: Path
-    deadline: float
+    hangs: bool
 
 
 def live(fmu: Path, fault: int | None) -> dict[str, Any]:
@@ -58,8 +60,7 @@ def begun(fmu: Path, fault: int | None, folder: Path) -> Job:
     process = os.fork()
     if process:
         # only the hang that no parameter can ask for has to be built in
-        patience = PATIENCE if fault is None or fault in HANGS else LONG_PATIENCE
-        return Job(process, folder, time.monotonic() + patience)
+        return Job(process, folder, fault is None or fault in HANGS)
     code = 70
     try:
         with (folder / "stdout").open("wb") as stdout, (folder / "stderr").open("wb") as stderr:
@@ -68,6 +69,7 @@ def begun(fmu: Path, fault: int | None, folder: Path) -> Job:
         used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
         resource.setrlimit(resource.RLIMIT_AS, (used + SPARE_MEMORY, used + SPARE_MEMORY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        os.environ[REACHED] = str(folder / "reached")
         (folder / "told.json").write_text(json.dumps(live(fmu, fault)))
         code = 0
     finally:
@@ -75,7 +77,7 @@ def begun(fmu: Path, fault: int | None, folder: Path) -> Job:
 
 
 def ended(job: Job) -> dict[str, Any]:
-    """What became of a job; it is killed where it takes too long."""
+    """What became of a job; one that shall hang is killed where it does."""
     end = _end(job)
     path = job.folder / "told.json"
     told: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
@@ -84,15 +86,18 @@ def ended(job: Job) -> dict[str, Any]:
 
 def _end(job: Job) -> str:
     """How a process ended: `exit 0`, `SIGSEGV` or `hang`."""
+    waited = 0.0
     while True:
         done, status = os.waitpid(job.process, os.WNOHANG)
         if done:
             break
-        if time.monotonic() > job.deadline:
+        if waited > PATIENCE:
             os.kill(job.process, signal.SIGKILL)
             os.waitpid(job.process, 0)
             return "hang"
-        time.sleep(0.005)
+        time.sleep(POLL)
+        if job.hangs and (job.folder / "reached").exists():
+            waited += POLL
     code = os.waitstatus_to_exitcode(status)
     return f"exit {code}" if code >= 0 else signal.Signals(-code).name
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import subprocess
-import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +17,7 @@ from fmpy.validation import validate_fmu
 from tests.foreign.build import foreign
 from tests.foreign.host import FMICallException, Host, hosted
 from tests.foreign.models import FAULTS, MODELS
+from tests.processes import python
 
 ROOT = Path(__file__).parents[2]
 VERSIONS = (2, 3)
@@ -157,7 +157,7 @@ for count in range(2):
         host.start()
         print("instance")
 """
-    command = [sys.executable, "-c", script, str(path)]
+    command = python("-c", script, path)
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     first, second = done.stdout.splitlines()
     assert first == "instance"
@@ -291,7 +291,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> Lookup:
         jobs |= {(version, fault): (plain, fault) for fault in FAULTS}
         built = foreign("FAULTY", folder, version=version, fault=BUILT_IN, name=f"built-{version}")
         jobs[version, BUILT_IN] = (str(built), None)
-    command = [sys.executable, "-m", "tests.foreign.faults", json.dumps(list(jobs.values()))]
+    command = python("-m", "tests.foreign.faults", json.dumps(list(jobs.values())))
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     found = dict(zip(jobs, json.loads(done.stdout), strict=True))
     return lambda version, fault: found[version, fault]

@@ -6,12 +6,12 @@ import contextlib
 import io
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 import orchestrator
+from tests.processes import python
 
 README = Path(__file__).parents[2] / "README.md"
 
@@ -44,6 +44,6 @@ def test_the_names_stay_functions() -> None:
         "from orchestrator import dataset, load, run\n"
         "assert all(map(callable, (dataset, load, run)))\n"
     )
-    subprocess.run([sys.executable, "-c", code], check=True)
+    subprocess.run(python("-c", code), check=True)
     with pytest.raises(AttributeError, match="no attribute 'walk_away'"):
         _ = orchestrator.walk_away

@@ -9,6 +9,7 @@ then any number of `send` and `receive`, `exit_initialisation`, then `send`, `st
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from ctypes import c_int32
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,7 +48,7 @@ class Instance(ABC):
         self._last = ""
         self.steps = 0
         self.rollbacks = 0
-        self.faults = 0
+        self._faults = c_int32()
 
     @abstractmethod
     def prepare(
@@ -108,6 +109,15 @@ class Instance(ABC):
     @abstractmethod
     def close(self) -> None:
         """End the instance; safe to call twice, and after a failure."""
+
+    @property
+    def faults(self) -> int:
+        """Messages with an error since the instance began to step, or was last restored."""
+        return self._faults.value
+
+    @faults.setter
+    def faults(self, count: int) -> None:
+        self._faults.value = count
 
     def log(self, status: int, message: str) -> None:
         """Keep a message of the unit; of many the first ones and the last.

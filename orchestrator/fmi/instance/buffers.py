@@ -30,6 +30,7 @@ DTYPES: dict[str, Any] = {
     "Int64": np.int64,
     "UInt64": np.uint64,
 }
+TOO_WIDE = "a whole number on an output is beyond 2^53: no double holds it"
 WIDE = ("Int64", "UInt64", "Enumeration")
 
 Binder = Callable[[str, list[int], Any], Callable[[], int]]
@@ -116,9 +117,7 @@ def reader(name: str, made: list[Block], values: Values, bind: Binder) -> Callab
             worst = max(worst, call())
             found = block.staging[block.places]
             if block.kind in WIDE and max(int(found.max()), -int(found.min())) > EXACT:
-                raise InstanceFailure(
-                    f"{name}: a {block.kind} output is beyond 2^53: no double holds it"
-                )
+                raise InstanceFailure(f"{name}: {TOO_WIDE}")
             values[block.buffer] = found
         return worst
 

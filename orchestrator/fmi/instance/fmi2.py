@@ -63,11 +63,13 @@ class Fmi2Instance(InProcessInstance):
         self._call(setup, int(tolerance is not None), tolerance or 0.0, time, 1, stop)
         self._set_starts(start)
 
+    def _transfer_function(self, verb: str, kind: str) -> Any:
+        name = f"fmi2{verb}{self.SUFFIX.get(kind, kind)}"
+        return self._function(name, POINTER, POINTER, COUNT, POINTER)
+
     def _bind(self, verb: str, kind: str, references: list[int], values: Any) -> Callable[[], int]:
         count = len(references)
-        raw = self._function(
-            f"fmi2{verb}{self.SUFFIX.get(kind, kind)}", POINTER, POINTER, COUNT, POINTER
-        )
+        raw = self._transfer_function(verb, kind)
         wanted = (ctypes.c_uint * count)(*references)
         instance = self._instance
         there = ctypes.addressof(wanted)

@@ -50,7 +50,7 @@ class Fmi3Instance(InProcessInstance):
         self._early = ctypes.c_bool()
         self._reached = ctypes.c_double()
         told = (self._event, self._terminate, self._early, self._reached)
-        self._told = tuple(ctypes.addressof(entry) for entry in told)
+        self._flags = tuple(ctypes.addressof(entry) for entry in told)
         resources = folder / "resources"
         return instantiate(
             self.name.encode(),
@@ -81,10 +81,13 @@ class Fmi3Instance(InProcessInstance):
         self.faults = 0
         self._running = True
 
+    def _transfer_function(self, verb: str, kind: str) -> Any:
+        name = f"fmi3{verb}{self.SUFFIX.get(kind, kind)}"
+        return self._function(name, POINTER, POINTER, COUNT, POINTER, COUNT)
+
     def _bind(self, verb: str, kind: str, references: list[int], values: Any) -> Callable[[], int]:
         count, total = len(references), len(values)
-        name = f"fmi3{verb}{self.SUFFIX.get(kind, kind)}"
-        raw = self._function(name, POINTER, POINTER, COUNT, POINTER, COUNT)
+        raw = self._transfer_function(verb, kind)
         wanted = (ctypes.c_uint * count)(*references)
         instance = self._instance
         there = ctypes.addressof(wanted)
@@ -104,7 +107,7 @@ class Fmi3Instance(InProcessInstance):
 
     def _advance(self, time: float, size: float) -> int:
         kept = not self._saved
-        status = int(self._do_step(self._instance, time, size, kept, *self._told))
+        status = int(self._do_step(self._instance, time, size, kept, *self._flags))
         if status in (0, 1):
             self._refuse(time, size)
         return status

@@ -6,8 +6,9 @@ import ctypes
 import itertools
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NoReturn
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -15,10 +16,35 @@ import numpy as np
 from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable
 from .base import STATUS, Instance, Values
-from .buffers import Block, blocks, reader, writer
+from .buffers import TOO_WIDE, Block, blocks, reader, writer
 from .library import loaded, shared_library
 
 FATAL = 4
+SEND, STEP, RECEIVE_FIRST, RECEIVE, SAVE, RESTORE, FORGET, REFUSED, BEYOND = range(9)
+"""Which call of an instance has failed: as `loop.h` of the compiled loop numbers them."""
+
+Calls = tuple[list[tuple[Block, int]], Values]
+
+
+@dataclass(frozen=True)
+class Binding:
+    """An instance for a caller in C: addresses of functions, and the blocks to call them with.
+
+    `flags` are the addresses of the results of an FMI 3 step; `faults` counts error messages.
+    """
+
+    component: Any
+    do_step: int
+    faults: ctypes.c_int32
+    saved: int
+    flags: tuple[int, ...]
+    set: Calls
+    get: list[Calls]
+
+
+def address(function: Any) -> int:
+    """Address of a function of a shared library."""
+    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
 
 
 class InProcessInstance(Instance):
@@ -39,6 +65,8 @@ class InProcessInstance(Instance):
         self._why = ""
         self._saved = 0
         self._functions: dict[str, Any] = {}
+        self._do_step: Any = None
+        self._flags: tuple[int, ...] = ()
         self._library = loaded(interface, shared_library(interface, folder))
         self._instance = self._instantiate(folder)
         if not self._instance:
@@ -46,6 +74,8 @@ class InProcessInstance(Instance):
         self._send: Callable[[], int] = _nothing
         self._receive: list[Callable[[], int]] = []
         self._sent: list[Block] = []
+        self._given: Values = np.zeros(0)
+        self._read: list[tuple[list[Block], Values]] = []
         self._start: dict[str, float | str] = {}
 
     def _function(self, name: str, *types: Any, result: Any = ctypes.c_int) -> Any:
@@ -108,21 +138,22 @@ class InProcessInstance(Instance):
         outputs: list[list[Variable]],
         output_values: Values,
     ) -> None:
-        self._sent = blocks(inputs, self.dtypes)
+        self._sent, self._given = blocks(inputs, self.dtypes), input_values
         for block in self._sent:
             block.preset(self.interface.of("input"), self._start)
         self._send = writer(self._sent, input_values, lambda *what: self._bind("Set", *what))
         everything: list[Variable] = []
-        self._receive = []
+        self._receive, self._read = [], []
         for group in outputs:
             everything = everything + group
             made = blocks(everything, self.dtypes)
             values = output_values[: len(everything)]
             get = reader(self.name, made, values, lambda *what: self._bind("Get", *what))
             self._receive.append(get)
+            self._read.append((made, values))
 
     def read_whole_at_once(self) -> None:
-        self._receive = self._receive[-1:]
+        self._receive, self._read = self._receive[-1:], self._read[-1:]
 
     def send(self) -> None:
         if status := self._send():
@@ -157,6 +188,45 @@ class InProcessInstance(Instance):
         self._saved -= 1
         if not self._broken:
             self._call(self._state_function("Free"), ctypes.addressof(state))
+
+    def binding(self) -> Binding:
+        """What a caller in C needs: functions, blocks and buffers, all of them kept alive here."""
+        return Binding(
+            component=self._instance,
+            do_step=address(self._do_step),
+            faults=self._faults,
+            saved=self._saved,
+            flags=self._flags,
+            set=([(b, self._transfer("Set", b.kind)) for b in self._sent], self._given),
+            get=[
+                ([(b, self._transfer("Get", b.kind)) for b in made], values)
+                for made, values in self._read
+            ],
+        )
+
+    def explain(self, phase: int, status: int, time: float, size: float) -> NoReturn:
+        """Raise the `InstanceFailure` of a call that was made in C, by its place in the loop."""
+        if phase == BEYOND:
+            raise InstanceFailure(f"{self.name}: {TOO_WIDE}")
+        if phase == REFUSED:
+            self._refuse(time, size)
+        if phase == SEND:
+            self._fail("setting inputs", status)
+        if phase in (RECEIVE, RECEIVE_FIRST):
+            self._fail("reading outputs", status)
+        self._fail(f"step from t = {time:.9g} s by {size:.4g} s", status)
+        raise InstanceFailure(self._why)
+
+    def _transfer(self, verb: str, kind: str) -> int:
+        """Address of the function that sets or gets one type."""
+        return address(self._transfer_function(verb, kind))
+
+    @abstractmethod
+    def _transfer_function(self, verb: str, kind: str) -> Any:
+        """The function that sets or gets variables of one type."""
+
+    def _refuse(self, time: float, size: float) -> None:
+        """`InstanceFailure` where a step that succeeded may not be taken."""
 
     @abstractmethod
     def _state_function(self, verb: str) -> Any:

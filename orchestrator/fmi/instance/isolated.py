@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -20,8 +21,6 @@ from .base import Instance, Limits, Values
 from .protocol import STEP, Garbled, Gone, command, read_answer, write_all
 
 LAST_WORDS = 4000
-STARTUP = 60.0
-"""Seconds that a process gets to come up at least, before any call of the FMU."""
 FAREWELL = 2.0
 """Seconds that a unit gets to terminate and free itself at the end."""
 
@@ -30,8 +29,9 @@ class IsolatedInstance(Instance):
     """The master's end of an isolated unit.
 
     A step is one round trip: inputs, doStep and outputs together. A call without an answer
-    within `limits.patience` has its process killed. `lost` is a process that has ended, or
-    that owes an answer still.
+    within `limits.patience` has its process killed; before the first call of the FMU a process
+    that lives is waited for, however long it takes to come up. `lost` is a process that has
+    ended, or that owes an answer still.
     """
 
     def __init__(self, name: str, interface: Interface, folder: Path, limits: Limits) -> None:
@@ -51,7 +51,7 @@ class IsolatedInstance(Instance):
         assert self._process.stdin and self._process.stdout and self._process.stderr
         self._to, self._from = self._process.stdin.fileno(), self._process.stdout.fileno()
         self._words = _Tail(self._process.stderr)
-        self._watch = _Watch(self._process, max(STARTUP, limits.patience))
+        self._watch = _Watch(self._process, math.inf)
         try:
             path, memory = str(interface.path.resolve()), limits.memory
             self._ask(b"o", {"path": path, "memory": memory}, "starting its process")

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...errors import OutputError
+from ...report.files import written_whole
 from ..plan import Plan
 
 if TYPE_CHECKING:
@@ -46,13 +47,9 @@ def draw(plan: Plan, path: Path) -> Path:
         _paint(axes, sheet)
         drawn = BytesIO()
         metadata = {"Date": None} if kind == ".svg" else None
-        try:
+        with written_whole(path, failures=(ValueError,)) as waiting:
             canvas.print_figure(drawn, format=kind[1:], dpi=DPI, metadata=metadata)
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(drawn.getvalue())
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
-            raise OutputError(f"{path}: cannot be written ({reason})") from None
+            waiting.write_bytes(drawn.getvalue())
     return path
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
-from ...errors import ScenarioError, printable
+from ...errors import Problems, ScenarioError, printable
 from .names import FMU, MAPPING, PARAMETERS, local, tag
 
 Fetch = Callable[[str], Any]
@@ -80,7 +80,7 @@ class Reader:
 
     def __init__(self, where: str, fetch: Fetch) -> None:
         self.where = where
-        self.problems: list[str] = []
+        self.problems = Problems(where)
         self._fetch = fetch
 
     def document(self, root: Any) -> Document:
@@ -103,8 +103,7 @@ class Reader:
             for each in (said if said is not None else [])
             if local(each) == "Annotation"
         }
-        if self.problems:
-            raise ScenarioError(f"{self.where}: {problem}" for problem in self.problems)
+        self.problems.check()
         return Document(root.get("name") or "", found, start, stop, annotations)
 
     def system(self, element: Any) -> System:
@@ -114,21 +113,24 @@ class Reader:
         for each in self._children(element, "ssd:Elements"):
             kind, name = local(each), each.get("name") or ""
             if name in names:
-                self.problems.append(f"line {each.sourceline}: two elements are called {name!r}")
+                self.problems.add(f"line {each.sourceline}", f"two elements are called {name!r}")
             names.add(name)
             if kind == "System":
                 systems.append(self.system(each))
             elif kind == "Component":
                 components.append(self._component(each, name))
             else:
-                self.problems.append(
-                    f"line {each.sourceline}: {kind} {printable(name)!r} is not supported; connect"
-                    " components directly"
+                self.problems.add(
+                    f"line {each.sourceline}",
+                    f"{kind} {printable(name)!r} is not supported; connect components directly",
                 )
         connectors = list(self._children(element, "ssd:Connectors"))
         return System(
-            element.get("name") or "",
-            *(components, systems, list(self._connections(element)), self._values(element)),
+            name=element.get("name") or "",
+            components=components,
+            systems=systems,
+            connections=list(self._connections(element)),
+            values=self._values(element),
             inputs=[str(c.get("name")) for c in connectors if c.get("kind") == "input"],
             outputs=[str(c.get("name")) for c in connectors if c.get("kind") == "output"],
         )
@@ -139,23 +141,25 @@ class Reader:
             yield from (each for each in parent if local(each))
 
     def _component(self, element: Any, name: str) -> Component:
-        place = f"line {element.sourceline}: component {printable(name)!r}"
+        line, named = f"line {element.sourceline}", f"component {printable(name)!r}"
         kind, source = element.get("type") or FMU, element.get("source") or ""
         if kind != FMU:
-            self.problems.append(f"{place} is of type {printable(kind)}, no FMU")
+            self.problems.add(line, f"{named} is of type {printable(kind)}, not an FMU")
         if element.get("implementation", "any") not in {"any", "CoSimulation"}:
-            self.problems.append(f"{place} is for {element.get('implementation')} only")
+            self.problems.add(line, f"{named} is for {element.get('implementation')} only")
         if not source:
-            self.problems.append(f"{place} names no source")
+            self.problems.add(line, f"{named} names no source")
         return Component(name, source, self._values(element))
 
     def _connections(self, element: Any) -> Iterator[Connection]:
         for each in self._children(element, "ssd:Connections"):
             gain, offset = self._transformation(each)
             yield Connection(
-                (each.get("startElement") or "", each.get("startConnector") or ""),
-                (each.get("endElement") or "", each.get("endConnector") or ""),
-                *(gain, offset, each.get("suppressUnitConversion") not in {"true", "1"}),
+                start=(each.get("startElement") or "", each.get("startConnector") or ""),
+                end=(each.get("endElement") or "", each.get("endConnector") or ""),
+                gain=gain,
+                offset=offset,
+                converts=each.get("suppressUnitConversion") not in {"true", "1"},
             )
 
     def _transformation(self, element: Any) -> tuple[float, float]:
@@ -164,8 +168,8 @@ class Reader:
             if kind == "LinearTransformation":
                 return self._number(each, "factor", 1.0), self._number(each, "offset", 0.0)
             if kind.endswith("Transformation"):
-                self.problems.append(
-                    f"line {each.sourceline}: {kind} is not supported, only linear ones are"
+                self.problems.add(
+                    f"line {each.sourceline}", f"{kind} is not supported, only linear ones are"
                 )
         return 1.0, 0.0
 
@@ -177,7 +181,9 @@ class Reader:
             value = float("nan")
         if not isfinite(value):
             shown = printable(str(text), most=40)
-            self.problems.append(f"line {element.sourceline}: {key} {shown!r} is no finite number")
+            self.problems.add(
+                f"line {element.sourceline}", f"{key} {shown!r} is not a finite number"
+            )
             return usual
         return value
 
@@ -194,10 +200,10 @@ class Reader:
         for binding in self._children(element, "ssd:ParameterBindings"):
             place = f"line {binding.sourceline}: parameter binding"
             if binding.get("type", PARAMETERS) != PARAMETERS:
-                self.problems.append(f"{place}: type {printable(binding.get('type'))} is not known")
+                self.problems.add(place, f"type {printable(binding.get('type'))} is not known")
                 continue
             if binding.get("sourceBase", "SSD") != "SSD":
-                self.problems.append(f"{place}: a source inside of a component is not supported")
+                self.problems.add(place, "a source inside of a component is not supported")
                 continue
             root = self._content(binding, binding.find(tag("ssd:ParameterValues")), "ssv")
             values = [] if root is None else list(self.parameters(root))
@@ -215,15 +221,15 @@ class Reader:
             return self._fetch(source)
         children = [each for each in (inline if inline is not None else []) if local(each)]
         if not children:
-            self.problems.append(
-                f"line {element.sourceline}: has neither a source nor anything inside ({kind})"
+            self.problems.add(
+                f"line {element.sourceline}", f"has neither a source nor anything inside ({kind})"
             )
             return None
         return children[0]
 
     def _mapped(self, values: list[Value], element: Any, place: str) -> Iterator[Value]:
         if element.get("type", MAPPING) != MAPPING or element.get("sourceBase", "SSD") != "SSD":
-            self.problems.append(f"{place}: this kind of parameter mapping is not supported")
+            self.problems.add(place, "this kind of parameter mapping is not supported")
             return
         root = self._content(element, element, "ssm")
         for entry in [] if root is None else root.findall(tag("ssm:MappingEntry")):
@@ -234,9 +240,9 @@ class Reader:
                 new = value.value
                 if (gain, offset) != (1.0, 0.0):
                     if isinstance(new, bool | str):
-                        self.problems.append(
-                            f"line {entry.sourceline}: {printable(value.name)} is no number to be"
-                            " transformed"
+                        self.problems.add(
+                            f"line {entry.sourceline}",
+                            f"{printable(value.name)} is transformed but is not a number",
                         )
                         continue
                     new = gain * new + offset
@@ -246,7 +252,9 @@ class Reader:
     def parameters(self, root: Any) -> Iterator[Value]:
         """The parameters of a set."""
         if root.tag != tag("ssv:ParameterSet"):
-            self.problems.append(f"line {root.sourceline}: {printable(local(root))} is no set")
+            self.problems.add(
+                f"line {root.sourceline}", f"{printable(local(root))} is not a parameter set"
+            )
             return
         for each in self._children(root, "ssv:Parameters"):
             typed = next((t for t in each if local(t) not in {"", "Annotations"}), None)
@@ -260,7 +268,8 @@ class Reader:
             elif kind not in {"String", "Enumeration"}:
                 value = self._number(typed, "value", 0.0)
                 if len(text.split()) > 1:
-                    self.problems.append(
-                        f"line {typed.sourceline}: {printable(name)} is an array; set its elements"
+                    self.problems.add(
+                        f"line {typed.sourceline}",
+                        f"{printable(name)} is an array; set its elements",
                     )
             yield Value(name, value, kind, typed.get("unit") or "")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ...errors import ScenarioError, printable
+from ...errors import Problems, ScenarioError, printable
 from .document import Component, Connection, System, Value
 
 Path = tuple[str, ...]
@@ -41,10 +41,10 @@ def flattened(where: str, system: System) -> Flat:
     """Resolve a system; `ScenarioError` where a connection leads nowhere or in a circle."""
     components = dict(_components(system, ()))
     feeding: dict[Node, tuple[Node, Connection]] = {}
-    problems: list[str] = []
+    problems = Problems(where)
     for start, end, connection in _connections(system, ()):
         if end in feeding:
-            problems.append(f"{_shown(end)} is fed twice")
+            problems.add(_shown(end), "is fed twice")
         feeding[end] = (start, connection)
     joints = []
     for node in feeding:
@@ -57,8 +57,7 @@ def flattened(where: str, system: System) -> Flat:
         joint = _traced(((), name), feeding, components, problems)
         if joint is not None:
             outputs.append(joint.source)
-    if problems:
-        raise ScenarioError(f"{where}: {problem}" for problem in problems)
+    problems.check()
     return Flat(components, joints, dict(_values(system, components, where)), outputs)
 
 
@@ -84,7 +83,7 @@ def _traced(
     node: Node,
     feeding: dict[Node, tuple[Node, Connection]],
     components: dict[Path, Component],
-    problems: list[str],
+    problems: Problems,
 ) -> Joint | None:
     """The joint that ends at a node; None where an input of the outermost system feeds it."""
     gain, offset, converts = 1.0, 0.0, True
@@ -98,12 +97,12 @@ def _traced(
         if start[0] in components:
             return Joint(start, node, gain, offset, converts)
         if start in seen:
-            problems.append(f"{_shown(node)} is fed by itself")
+            problems.add(_shown(node), "is fed by itself")
             return None
         seen.add(start)
         here = start
     if here[0]:
-        problems.append(f"{_shown(node)}: nothing feeds {_shown(here)}, which it comes from")
+        problems.add(_shown(node), f"nothing feeds {_shown(here)}, which it comes from")
     return None
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from ...errors import FmuError, ScenarioError, nearest, printable
+from ...errors import FmuError, Problems, ScenarioError, nearest, printable
 from ...fmi.archive import STRUCTURE, entries, extract, read_entry
 from ...fmi.description import Interface, Variable, read_interface
 from ...fmi.safe_xml import guarded
@@ -23,7 +23,7 @@ from .flatten import Flat, Joint, flattened
 from .flatten import Path as Names
 from .names import ANNOTATION, REALS, WHOLE
 
-KEYS = ("time", "master", "record", "metrics", "actions", "faults")
+KEYS = ("time", "master", "record", "metrics", "plot", "actions", "faults")
 """Tables of a scenario that our own annotation carries."""
 STOP = 1.0
 """End of a run that names none [s], the usual one of FMI's tools."""
@@ -59,8 +59,7 @@ def _tree(path: Path, chosen: str) -> dict[str, Any]:
     if extra:
         own = Reader(f"{path}: {extra}", fetch)
         _override(flat, list(own.parameters(fetch(extra))), f"{path}: {extra}")
-        if own.problems:
-            raise ScenarioError(f"{own.where}: {problem}" for problem in own.problems)
+        own.problems.check()
     folder = _unpacked(path)
     files = {p: folder / _inside(where, c.source, names) for p, c in flat.components.items()}
     return _scenario(where, document, flat, files)
@@ -158,14 +157,13 @@ def _scenario(
     known = {file: read_interface(file) for file in dict.fromkeys(files.values())}
     interfaces = {path: known[file] for path, file in files.items()}
     titles = _identifiers(where, flat)
-    problems: list[str] = []
+    problems = Problems(where)
     components: dict[str, Any] = {}
     for path, file in files.items():
         start = _starts(".".join(path), interfaces[path], flat.values[path], problems)
         components[titles[path]] = {"fmu": str(file), "start": start}
     wires = [_wire(joint, titles, interfaces, problems) for joint in flat.joints]
-    if problems:
-        raise ScenarioError(f"{where}: {problem}" for problem in dict.fromkeys(problems))
+    problems.check()
     fed = {wire["to"] for wire in wires}
     hold = {}
     for path, interface in interfaces.items():
@@ -214,7 +212,7 @@ def _identifiers(where: str, flat: Flat) -> dict[Names, str]:
 
 
 def _starts(
-    owner: str, interface: Interface, values: dict[str, Value], problems: list[str]
+    owner: str, interface: Interface, values: dict[str, Value], problems: Problems
 ) -> dict[str, float | str | bool]:
     """Start values as the FMU takes them: in its units, choices by name."""
     settable = {v.name: v for v in interface.of("parameter", "input", "structuralParameter")}
@@ -223,12 +221,12 @@ def _starts(
         where = f"parameter {printable(f'{owner}.{name}')}"
         variable = settable.get(name)
         if variable is None:
-            problems.append(f"{where}: the FMU has none to be set; {nearest(name, settable)}")
+            problems.add(where, f"the FMU has none to be set; {nearest(name, settable)}")
             continue
         try:
             starts[name] = _start(variable, value)
         except (UnitError, ValueError) as error:
-            problems.append(f"{where}: {error}")
+            problems.add(where, error)
     return starts
 
 
@@ -253,21 +251,21 @@ def _start(variable: Variable, value: Value) -> float | str | bool:
 
 
 def _wire(
-    joint: Joint, titles: dict[Names, str], interfaces: dict[Names, Interface], problems: list[str]
+    joint: Joint, titles: dict[Names, str], interfaces: dict[Names, Interface], problems: Problems
 ) -> dict[str, Any]:
     ends = []
     for (path, name), causality in ((joint.source, "output"), (joint.target, "input")):
         if path not in titles:
-            problems.append(
-                f"a connection ends at {printable('.'.join(path))}, which is no element"
+            problems.add(
+                "connection", f"ends at {printable('.'.join(path))}, which is not an element"
             )
             return {"from": "", "to": ""}
         variable = interfaces[path].variables.get(name)
         if variable is None or variable.causality != causality:
             known = [v.name for v in interfaces[path].of(causality)]
-            problems.append(
-                f"{printable('.'.join([*path, name]))} is no {causality} of its FMU;"
-                f" {nearest(name, known)}"
+            problems.add(
+                printable(".".join([*path, name])),
+                f"is not an {causality} of its FMU; {nearest(name, known)}",
             )
             return {"from": "", "to": ""}
         ends.append((f"{titles[path]}.{name}", variable))
@@ -277,9 +275,9 @@ def _wire(
         try:
             gain /= factor(output.unit, input_.unit)
         except UnitError:
-            problems.append(
-                f"{printable(source)} [{output.unit}] -> {printable(target)} [{input_.unit}]: units"
-                " of another kind cannot be connected, converted or not"
+            problems.add(
+                f"{printable(source)} [{output.unit}] -> {printable(target)} [{input_.unit}]",
+                "units of another kind cannot be connected, converted or not",
             )
     return {"from": source, "to": target, "gain": gain, "offset": joint.offset}
 

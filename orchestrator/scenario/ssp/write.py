@@ -15,9 +15,10 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
-from ...errors import OutputError, ScenarioError
+from ...errors import ScenarioError
 from ...fmi.archive import STRUCTURE
 from ...fmi.description import Variable
+from ...report.files import written_whole
 from ..plan import Plan
 from .names import ANNOTATION, FMU, NAMESPACES, tag
 from .units import _defined, _units
@@ -86,21 +87,15 @@ def write_ssp(package: Package, path: Path) -> list[str]:
     texts["resources/parameters.ssv"] = _text(_set(package, "parameters", package.starts))
     for name, values in package.sets.items():
         texts[f"resources/{name}.ssv"] = _text(_set(package, name, values))
-    waiting = path.with_name(f".{path.name}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with zipfile.ZipFile(waiting, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, text in texts.items():
-                archive.writestr(_entry(name), text)
-            for name, file in sources.values():
-                if name not in archive.namelist():
-                    archive.writestr(_entry(name), file.read_bytes())
-        waiting.replace(path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
-    finally:
-        if path.parent.is_dir():
-            waiting.unlink(missing_ok=True)
+    with (
+        written_whole(path) as waiting,
+        zipfile.ZipFile(waiting, "w", zipfile.ZIP_DEFLATED) as archive,
+    ):
+        for name, text in texts.items():
+            archive.writestr(_entry(name), text)
+        for name, file in sources.values():
+            if name not in archive.namelist():
+                archive.writestr(_entry(name), file.read_bytes())
     return list(_untold(package))
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, SimulationError
 from ...scenario.plan import Plan
-from ..masters import Master, master
+from ..masters import Master, master_class
 from ..stepper import Stepper
 from ..system import System
 
@@ -101,7 +101,7 @@ def linearise(
     if unable:
         raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
     with System(plan) as system:
-        method = master(plan.scenario.master.kind)(system, plan.scenario.master)
+        method = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
         stepper = Stepper(system, method)
         time, _ = rest(system, stepper)
         held = _held(system, inputs)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...scenario.plan import Plan
 from ..coupled_instance import CoupledInstance
-from ..masters import master
+from ..masters import master_class
 from ..stepper import Stepper
 from ..system import Moment, System
 from .state_space import NUDGE, plain, realise, rest
@@ -164,7 +164,7 @@ def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> St
         raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
     size = step or plan.grid.step
     with System(plan) as system:
-        method = master(plan.scenario.master.kind)(system, plan.scenario.master)
+        method = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
         stepper = Stepper(system, method)
         time, largest = rest(system, stepper)
         for _ in range(REFRESHED):
@@ -219,18 +219,16 @@ def _unit(
     by = np.where(usual > 0.0, usual, 1.0)
     a, b, c = realise(sequence, smallest=smallest) if own and free else _none(len(own), len(free))
     return InstanceModel(
-        *(
-            coupled.instance.name,
-            [coupled.arriving[k].input.name for k in free],
-            [system.names[k] for k in own],
-            a,
-            b / by,
-            c,
-            direct / by,
-            after / by,
-            _wiring(system, coupled, free, shown),
-        ),
-        np.array([shown.index(k) for k in own], dtype=np.intp),
+        name=coupled.instance.name,
+        inputs=[coupled.arriving[k].input.name for k in free],
+        outputs=[system.names[k] for k in own],
+        a=a,
+        b=b / by,
+        c=c,
+        d=direct / by,
+        e=after / by,
+        wires=_wiring(system, coupled, free, shown),
+        rows=np.array([shown.index(k) for k in own], dtype=np.intp),
     )
 
 

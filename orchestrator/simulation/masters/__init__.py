@@ -19,10 +19,10 @@ MASTERS: dict[str, type[Master]] = {
 }
 
 
-def master(kind: str) -> type[Master]:
+def master_class(kind: str) -> type[Master]:
     """Master by the name a scenario gives it."""
     if kind not in MASTERS:
-        raise ScenarioError(f"master.kind: no master {kind!r}; {nearest(kind, MASTERS)}")
+        raise ScenarioError(f"no master {kind!r}; {nearest(kind, MASTERS)}")
     return MASTERS[kind]
 
 
@@ -34,5 +34,5 @@ __all__ = [
     "Iterative",
     "Jacobi",
     "Master",
-    "master",
+    "master_class",
 ]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ..coupled_instance import Values
 
 
@@ -28,28 +26,49 @@ class Past:
         self.times, self.values = (), ()
 
 
-def mean_weights(times: Sequence[float], begin: float, end: float) -> Values:
+def mean_weights(times: Sequence[float], begin: float, end: float) -> list[float]:
     """Weights of values at `times` in the mean over [begin, end] of the polynomial through them.
 
     Two points before the interval give (1.5, -0.5) for equal steps, the ends of it (0.5, 0.5).
+    Plain arithmetic in a fixed order: the compiled loop repeats it to the bit.
     """
-    nodes = (np.asarray(times) - begin) / (end - begin)
-    powers = np.arange(len(nodes))
-    matrix = nodes[None, :] ** powers[:, None]
-    weights: Values = np.linalg.solve(matrix, 1.0 / (powers + 1.0))
-    return weights
+    nodes = [(time - begin) / (end - begin) for time in times]
+    return [_mean_of_basis(nodes, j) for j in range(len(nodes))]
 
 
-def point_weights(times: Sequence[float], at: float, scale: float) -> Values:
+def _mean_of_basis(nodes: Sequence[float], j: int) -> float:
+    """Integral over [0, 1] of the polynomial that is 1 at node `j` and 0 at the others."""
+    coefficients, below = [1.0], 1.0
+    for i, node in enumerate(nodes):
+        if i == j:
+            continue
+        higher = [*coefficients, coefficients[-1]]
+        for k in range(len(coefficients) - 1, 0, -1):
+            higher[k] = coefficients[k - 1] - node * coefficients[k]
+        higher[0] = -node * coefficients[0]
+        coefficients = higher
+        below = below * (nodes[j] - node)
+    total = 0.0
+    for k, coefficient in enumerate(coefficients):
+        total = total + coefficient / float(k + 1)
+    return total / below
+
+
+def point_weights(times: Sequence[float], at: float, scale: float) -> list[float]:
     """Weights of values at `times` in the value at `at` of the polynomial through them."""
-    nodes = (np.asarray(times) - at) / scale
-    powers = np.arange(len(nodes))
-    matrix = nodes[None, :] ** powers[:, None]
-    weights: Values = np.linalg.solve(matrix, (powers == 0).astype(float))
+    nodes = [(time - at) / scale for time in times]
+    weights = []
+    for j in range(len(nodes)):
+        above, below = 1.0, 1.0
+        for i, node in enumerate(nodes):
+            if i != j:
+                above = above * -node
+                below = below * (nodes[j] - node)
+        weights.append(above / below)
     return weights
 
 
-def combined(weights: Values, values: Sequence[Values]) -> Values:
+def combined(weights: Sequence[float], values: Sequence[Values]) -> Values:
     """Weighted sum of value arrays."""
     total: Values = weights[0] * values[0]
     for weight, one in zip(weights[1:], values[1:], strict=True):

@@ -6,26 +6,20 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from ...errors import ScenarioError, nearest
 from ...recording.settings import Quantity, Text
-from ...scenario.files import read_toml
+from ..named_list import Named, load_list
 
 SHIPPED = "cases/calibration.toml"
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Parameter(_Table):
+class Parameter(Named):
     """A start value `component.parameter` of some scenarios; `value` is what they carry.
 
     A scenario named in `times` carries so many times the value: two layers, twice the mass.
     """
 
-    name: Text
     sets: Text
     scenarios: Annotated[list[Text], Field(min_length=1)]
     value: Quantity
@@ -40,7 +34,7 @@ class Parameter(_Table):
         return self
 
 
-class Datum(_Table):
+class Datum(Named):
     """A number of the paper: a metric's peak over a parameter, in height or place, or its value.
 
     A datum that is `held_out` is not fitted but predicted. `set`, `stop` and `step` change the
@@ -48,7 +42,6 @@ class Datum(_Table):
     `within` is how well it is known, relative: it counts by the inverse.
     """
 
-    name: Text
     where: Text
     scenario: Text
     metric: Text
@@ -70,10 +63,9 @@ class Datum(_Table):
         return self
 
 
-class Fit(_Table):
+class Fit(Named):
     """Parameters and the data that they are fitted to."""
 
-    name: Text
     title: Text = ""
     parameters: Annotated[list[Parameter], Field(min_length=1)]
     data: Annotated[list[Datum], Field(min_length=1)]
@@ -86,10 +78,6 @@ class Fit(_Table):
         return self
 
 
-class _List(_Table):
-    fits: Annotated[list[Fit], Field(min_length=1)]
-
-
 def shipped() -> Path:
     """File of the fits behind the scenarios that come with the package."""
     return Path(str(resources.files("scenarios") / SHIPPED))
@@ -97,16 +85,4 @@ def shipped() -> Path:
 
 def load_fits(path: Path, names: list[str] | None = None) -> list[Fit]:
     """Fits of a file, or those that are named; `ScenarioError` with what is wrong."""
-    tree = read_toml(path)
-    try:
-        fits = _List.model_validate(tree).fits
-    except ValidationError as error:
-        raise ScenarioError(
-            f"{path}: {'.'.join(map(str, e['loc']))}: {e['msg']}"
-            for e in error.errors(include_url=False)
-        ) from None
-    known = [fit.name for fit in fits]
-    for name in names or []:
-        if name not in known:
-            raise ScenarioError(f"{path}: no fit {name!r}; {nearest(name, known)}")
-    return [fit for fit in fits if not names or fit.name in names]
+    return load_list(path, "fits", Fit, names)

@@ -126,6 +126,14 @@ def calibrate(
             ends.append(np.array(model.values(moved.tolist())))
         columns.append(np.log(ends[0] / ends[1]) / (2.0 * NUDGE))
     return Calibration(
-        *(fit, shipped, fitted, paper, before, after, np.array(columns).T, model.runs),
-        *(perf_counter() - begun, message),
+        fit=fit,
+        shipped=shipped,
+        fitted=fitted,
+        paper=paper,
+        before=before,
+        after=after,
+        sensitivity=np.array(columns).T,
+        runs=model.runs,
+        wall_time=perf_counter() - begun,
+        message=message,
     )

@@ -171,11 +171,24 @@ def identify(
         correlation = covariance / np.outer(deviations, deviations)
     scales = np.array([unknown.scale for unknown in unknowns])
     return Identified(
-        *(case, unknowns, wanted.level, values, quantile * widened * deviations, correlation),
-        *(np.linalg.svd(jacobian * scales, compute_uv=False), times, counted, recorded, simulated),
-        *(np.sqrt((residuals**2).mean(axis=0)), lag_one, widened),
-        *(BEYOND * np.abs(finer[:, 1::2] - simulated)[counted].max(axis=0), experiment.runs),
-        *(perf_counter() - begun, message),
+        case=case,
+        unknowns=unknowns,
+        level=wanted.level,
+        values=values,
+        intervals=quantile * widened * deviations,
+        correlation=correlation,
+        singular=np.linalg.svd(jacobian * scales, compute_uv=False),
+        times=times,
+        counted=counted,
+        recorded=recorded,
+        simulated=simulated,
+        sizes=np.sqrt((residuals**2).mean(axis=0)),
+        lag_one=lag_one,
+        widened=widened,
+        stepping=BEYOND * np.abs(finer[:, 1::2] - simulated)[counted].max(axis=0),
+        runs=experiment.runs,
+        wall_time=perf_counter() - begun,
+        message=message,
     )
 
 

@@ -73,8 +73,11 @@ def _shown(name: str, kind: Kind, lines: Iterable[Line], level: Sequence[float] 
     """A body of outlines in metres, one for each frame."""
     every = list(lines)
     return Body(
-        *(name, kind, [(1e3 * x).tolist() for x, _ in every]),
-        *([(1e3 * y).tolist() for _, y in every], level),
+        name=name,
+        kind=kind,
+        x=[(1e3 * x).tolist() for x, _ in every],
+        y=[(1e3 * y).tolist() for _, y in every],
+        level=level,
     )
 
 
@@ -167,8 +170,10 @@ def _strips(answer: Answer) -> Iterator[Plot]:
         return Curve(name, time, values.tolist())
 
     yield Plot(
-        *("Voltage", across, Axis("voltage (kV)")),
-        [curve(n, 1e-3 * answer.series(f"{n}.voltage")) for n in ("top", "bottom")],
+        title="Voltage",
+        x=across,
+        y=Axis("voltage (kV)"),
+        curves=[curve(n, 1e-3 * answer.series(f"{n}.voltage")) for n in ("top", "bottom")],
     )
     force = answer.series("force.value")
     yield Plot("Force of the actuator", across, Axis("force (N)"), [curve("force", force)])

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+from ..run_cache import RunCache
 from ..workers.pool import Failed, WorkerPool
 from .job import Answer, Job, answer_of, carry_out, identity, plan_of
-from .store import RunCache
 
 Task = tuple[Job, str, str]
 BEYOND = 4.0 / 3.0
@@ -30,37 +30,37 @@ class Measured:
 
 
 class CachedRuns:
-    """Answers to jobs, from the store where they are known, else from workers.
+    """Answers to jobs, from the cache where they are known, else from workers.
 
     A context manager: workers start with the first job that is not known, and end with it.
-    `tell` hears of jobs done and jobs asked for; `check` may raise to stop.
+    `progress` is called with the jobs done and the jobs asked for; `check` may raise to stop.
     """
 
     def __init__(
         self,
         library: Path,
-        store: RunCache,
+        cache: RunCache,
         workers: int | None = None,
         check: Callable[[], None] | None = None,
-        tell: Callable[[int, int], None] | None = None,
+        progress: Callable[[int, int], None] | None = None,
     ) -> None:
         self.library = library.absolute()
-        self._store = store
-        self._crew: WorkerPool[Task] = WorkerPool(carry_out, workers)
+        self._cache = cache
+        self._pool: WorkerPool[Task] = WorkerPool(carry_out, workers)
         self._check = check or (lambda: None)
-        self._tell = tell or (lambda done, asked: None)
+        self._progress = progress or (lambda done, asked: None)
         self._known: dict[str, Answer] = {}
         self._checked: set[str] = set()
         self.ran = 0
         self._asked = 0
 
     def __enter__(self) -> Self:
-        self._store.prepare()
-        self._crew.__enter__()
+        self._cache.prepare()
+        self._pool.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._crew.__exit__(*_)
+        self._pool.__exit__(*_)
 
     def answers(self, jobs: Sequence[Job]) -> list[Answer]:
         """The answer to each job, in their order."""
@@ -69,21 +69,29 @@ class CachedRuns:
         for job, key in zip(jobs, keys, strict=True):
             if key in self._known or key in waiting:
                 continue
-            if (found := self._store.read(key)) is not None:
+            if (found := self._cached(key)) is not None:
                 self._known[key] = found
             else:
                 waiting[key] = (job, str(self.library), key)
         self._look_through(waiting)
         self._asked += len(waiting)
-        for (_, _, key), content in self._crew.answers(waiting.values(), self._check):
+        for (_, _, key), content in self._pool.answers(waiting.values(), self._check):
             if isinstance(content, Failed):
                 self._known[key] = Answer("failed", content.reason)
             else:
-                self._store.write(key, content)
+                self._cache.write(key, content)
                 self._known[key] = answer_of(content)
             self.ran += 1
-            self._tell(self.ran, self._asked)
+            self._progress(self.ran, self._asked)
         return [self._known[key] for key in keys]
+
+    def _cached(self, key: str) -> Answer | None:
+        """The cached answer; None where there is none of the shape of today."""
+        try:
+            found = self._cache.read(key)
+            return None if found is None else answer_of(found)
+        except (ValueError, KeyError, TypeError, AttributeError):
+            return None
 
     def measured(self, job: Job, measure: Callable[[Answer], float]) -> Measured:
         """A number of a job, and its distance from that at half the step, widened to an error."""

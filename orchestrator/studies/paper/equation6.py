@@ -34,8 +34,12 @@ def equation6(cached_runs: CachedRuns) -> Comparison:
     found, job = _simulated(cached_runs)
     rows.append(
         Row(
-            *("equation6.lift", found.value / GRAVITY, "mean lift of the run, quasi-steady"),
-            *(found.doubt / GRAVITY, job.scenario, found.wall_time),
+            key="equation6.lift",
+            ours=found.value / GRAVITY,
+            reading="mean lift of the run, quasi-steady",
+            doubt=found.doubt / GRAVITY,
+            scenario=job.scenario,
+            wall_time=found.wall_time,
         )
     )
     implied = 1e-6 * float(number("equation6.lift").value) / mass(1.0, *wing)
@@ -94,8 +98,10 @@ def _drawn() -> Figure:
     stated = [float(number(f"equation6.{name}").value) for name in ("short", "long")]
     paper = Curve("paper", [1e3 * r for r in given("hover_lengths")], stated, "stated")
     plot = Plot(
-        *("Hovering with 10 g", Axis("wing length (mm)"), Axis("frequency (Hz)", least=0.0)),
-        [*curves, paper],
+        title="Hovering with 10 g",
+        x=Axis("wing length (mm)"),
+        y=Axis("frequency (Hz)", least=0.0),
+        curves=[*curves, paper],
     )
     caption = "Stroke 120 degrees, aspect ratio 7. Both of the paper's points lie off one curve."
     return Figure("equation6", "Frequency to hover", caption, [plot])

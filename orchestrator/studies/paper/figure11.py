@@ -51,12 +51,16 @@ def figure11(cached_runs: CachedRuns) -> Comparison:
         for name, s in zip(CASES.values(), found, strict=True)
     ]
     paper = Curve(
-        *("paper, peaks", [_stated(f"{case}_frequency") for case in CASES]),
-        *([_stated(f"{case}_stroke") for case in CASES], "stated"),
+        name="paper, peaks",
+        x=[_stated(f"{case}_frequency") for case in CASES],
+        y=[_stated(f"{case}_stroke") for case in CASES],
+        style="stated",
     )
     plot = Plot(
-        *("Stroke", Axis("frequency (Hz)", least=0.0, most=50.0)),
-        *(Axis("flapping stroke (deg)", least=0.0), [*curves, paper]),
+        title="Stroke",
+        x=Axis("frequency (Hz)", least=0.0, most=50.0),
+        y=Axis("flapping stroke (deg)", least=0.0),
+        curves=[*curves, paper],
     )
     figure = Figure("figure11", "Stroke over frequency", "Peak to peak, settled.", [plot])
     failures = [text for frequency_sweep in found for text in frequency_sweep.failures]

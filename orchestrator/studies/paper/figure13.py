@@ -43,7 +43,12 @@ def _sinusoidal(answer: Answer, frequency: float, scenario: str) -> Row:
     share = harmonics(answer.times, answer.series("displacement"), frequency)
     said = f"harmonics are {100 * share:.2g} % of the fundamental"
     return Row(
-        *("figure13.sinusoidal", said, "", math.nan, scenario, answer.wall_time),
+        key="figure13.sinusoidal",
+        ours=said,
+        reading="",
+        doubt=math.nan,
+        scenario=scenario,
+        wall_time=answer.wall_time,
         agrees=share < NEAR,
     )
 
@@ -59,7 +64,12 @@ def _ratio(answer: Answer, scenario: str) -> Row:
         " and the upper reversal"
     )
     return Row(
-        *("figure13.ratio", said, "", math.nan, scenario, answer.wall_time),
+        key="figure13.ratio",
+        ours=said,
+        reading="",
+        doubt=math.nan,
+        scenario=scenario,
+        wall_time=answer.wall_time,
         agrees=bool(max(low, high) < inside.min()),
     )
 

@@ -66,8 +66,12 @@ def figure3(cached_runs: CachedRuns) -> Comparison:
     )
     failures = [text for each in (*silicone, vhb) for text in each.failures]
     return Comparison(
-        *("figure3", "Figure 3: amplitude and phase of silicone and VHB", words, rows),
-        *([_drawn(readings, vhb)], failures),
+        key="figure3",
+        title="Figure 3: amplitude and phase of silicone and VHB",
+        words=words,
+        rows=rows,
+        figures=[_drawn(readings, vhb)],
+        failures=failures,
     )
 
 
@@ -76,9 +80,11 @@ def _low(
 ) -> list[Row]:
     return [
         row(
-            key,
-            cached_runs.measured(reading.found.sweep.job(1.0), amplitude),
-            *(scenario, reading.name, reading.model),
+            key=key,
+            found=cached_runs.measured(reading.found.sweep.job(1.0), amplitude),
+            scenario=scenario,
+            reading=reading.name,
+            model=reading.model,
         )
         for reading in readings
     ]
@@ -129,7 +135,13 @@ def _falls(vhb: FrequencySweep) -> Row:
     tops = vhb.maxima(amplitude)
     said = ", ".join(f"{1e3 * top.value:.2f} mm at {top.at:.0f} Hz" for top in tops) or "none"
     return Row(
-        *("figure3.vhb_falls", said, "", math.nan, "bench-vhb", vhb.wall_time), agrees=not tops
+        key="figure3.vhb_falls",
+        ours=said,
+        reading="",
+        doubt=math.nan,
+        scenario="bench-vhb",
+        wall_time=vhb.wall_time,
+        agrees=not tops,
     )
 
 

@@ -85,8 +85,13 @@ def _straight(spacer: int, answer: Answer) -> Row:
         return Row("figure7.linear", "stopped", reading, scenario=scenario, agrees=False)
     off = _fit(answer)[1]
     return Row(
-        *("figure7.linear", f"within {100 * off:.2g} % of a line", reading, math.nan, scenario),
-        *(answer.wall_time, off <= LINEAR),
+        key="figure7.linear",
+        ours=f"within {100 * off:.2g} % of a line",
+        reading=reading,
+        doubt=math.nan,
+        scenario=scenario,
+        wall_time=answer.wall_time,
+        agrees=off <= LINEAR,
     )
 
 

@@ -35,12 +35,16 @@ def figure8(cached_runs: CachedRuns) -> Comparison:
         for n, s, k in zip(LAYERS, found, shares, strict=True)
     ]
     paper = Curve(
-        *("paper, peaks of table 2", [float(number("figure8.resonance").value)] * len(LAYERS)),
-        *([float(number(f"table2.power_{n}").value) for n in LAYERS], "stated"),
+        name="paper, peaks of table 2",
+        x=[float(number("figure8.resonance").value)] * len(LAYERS),
+        y=[float(number(f"table2.power_{n}").value) for n in LAYERS],
+        style="stated",
     )
     plot = Plot(
-        *("Power", Axis("frequency (Hz)", least=0.0, most=100.0)),
-        *(Axis("power, once a cycle (mW)", least=0.0), [*curves, paper]),
+        title="Power",
+        x=Axis("frequency (Hz)", least=0.0, most=100.0),
+        y=Axis("power, once a cycle (mW)", least=0.0),
+        curves=[*curves, paper],
     )
     figure = Figure(
         "figure8", "Power over frequency", "Largest kinetic energy of the payload times f.", [plot]
@@ -57,13 +61,11 @@ def _low(frequency_sweep: FrequencySweep, top: float, reading: str) -> Row:
     far, near = frequency_sweep.at(FAR, power) / top, frequency_sweep.at(edge, power) / top
     said = f"{100 * far:.2g} % of the peak at {FAR:.0f} Hz, {100 * near:.2g} % at {edge:g} Hz"
     return Row(
-        *(
-            "figure8.low",
-            said,
-            reading,
-            math.nan,
-            frequency_sweep.sweep.scenario,
-            frequency_sweep.wall_time,
-        ),
+        key="figure8.low",
+        ours=said,
+        reading=reading,
+        doubt=math.nan,
+        scenario=frequency_sweep.sweep.scenario,
+        wall_time=frequency_sweep.wall_time,
         agrees=far < FAR_SHARE and near < NEAR_SHARE,
     )

@@ -9,14 +9,13 @@ from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, SimulationError, printable
 from ...scenario.plan import Plan, fmu_path
+from ..workers.task import RunFailed, answered
 
 FORM = 1
 """Counts up when answers take another shape, so that older ones on disk are not taken for them."""
@@ -88,6 +87,7 @@ def identity(job: Job, library: Path) -> str:
 
     The same conditions as those of a sweep's point, from the files alone: no FMU is opened.
     """
+    from ...results.netcdf import release
     from ...scenario.parse import load_scenario
 
     scenario, path = load_scenario(job.scenario, dict(job.changes), **job.options())
@@ -100,7 +100,7 @@ def identity(job: Job, library: Path) -> str:
         for name, component in scenario.components.items()
     }
     known = [
-        *(FORM, _release(), scenario.model_dump_json(by_alias=True), files),
+        *(FORM, release(), scenario.model_dump_json(by_alias=True), files),
         *(job.keep, job.cycles),
     ]
     return hashlib.sha256(json.dumps(known, sort_keys=True).encode()).hexdigest()[:32]
@@ -111,18 +111,14 @@ def carry_out(task: tuple[Job, str, str]) -> dict[str, Any]:
     from ...simulation.run import run
 
     job, library, _ = task
-    begun = perf_counter()
-    try:
+
+    def work() -> dict[str, Any]:
         outcome = run(plan_of(job, Path(library)), estimate=False)
         if outcome.failure is not None:
-            return _failed(str(outcome.failure), begun)
-        return _looked_at(job, outcome, begun)
-    except InputError as error:
-        return {"unfit": str(error)}
-    except SimulationError as error:
-        return _failed(str(error), begun)
-    except Exception as error:
-        return _failed(f"{type(error).__name__}: {error}", begun)
+            raise RunFailed(str(outcome.failure))
+        return _looked_at(job, outcome)
+
+    return answered(work, {"metrics": {}, "times": [], "rows": {}})
 
 
 def plan_of(job: Job, library: Path) -> Plan:
@@ -153,7 +149,7 @@ def answer_of(content: Mapping[str, Any]) -> Answer:
     )
 
 
-def _looked_at(job: Job, outcome: Any, begun: float) -> dict[str, Any]:
+def _looked_at(job: Job, outcome: Any) -> dict[str, Any]:
     from ...results.metrics import metrics
     from ...results.netcdf import dataset
 
@@ -166,24 +162,15 @@ def _looked_at(job: Job, outcome: Any, begun: float) -> dict[str, Any]:
         first = int(np.searchsorted(outcome.times, since))
     names = [n for n in outcome.names if any(n == p or fnmatchcase(n, p) for p in job.keep)]
     return {
-        "status": "done",
-        "reason": "",
         "metrics": {metric.name: metric.value for metric in found},
         "times": _short(outcome.times[first:]) if names else [],
         "rows": {name: _short(outcome.series(name)[first:]) for name in names},
-        "wall_time": perf_counter() - begun,
         "steps": outcome.steps,
     }
 
 
 def _short(values: NDArray[np.float64]) -> list[float]:
     return [float(f"{value:.{DIGITS}g}") for value in values]
-
-
-def _failed(reason: str, begun: float) -> dict[str, Any]:
-    told = printable(reason.replace("\n", "; "), most=900)
-    empty: dict[str, Any] = {"metrics": {}, "times": [], "rows": {}, "steps": 0}
-    return {"status": "failed", "reason": told, "wall_time": perf_counter() - begun, **empty}
 
 
 def _file(path: Path) -> str:
@@ -198,13 +185,3 @@ def _file(path: Path) -> str:
 @cache
 def _digest(path: Path, changed: int, size: int) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-@cache
-def _release() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("resilin")
-    except PackageNotFoundError:
-        return "unknown"

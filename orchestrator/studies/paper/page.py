@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
@@ -9,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from ...errors import OutputError
+from ...report.files import written_whole
 from ...report.page import Notes, Page, Part, Section, Words
 from ...report.plot import Figure
 from ...report.table import Cell, Column, Table, Tone, quantity
@@ -237,9 +240,5 @@ def _drawn(path: Path) -> dict[str, str]:
 
 
 def _remember(path: Path, known: dict[str, str]) -> None:
-    waiting = path.with_name(f".{path.name}.part")
-    try:
+    with contextlib.suppress(OutputError), written_whole(path) as waiting:
         waiting.write_text(json.dumps(known, indent=1), encoding="utf-8")
-        waiting.replace(path)
-    except OSError:
-        waiting.unlink(missing_ok=True)

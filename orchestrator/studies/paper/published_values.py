@@ -46,8 +46,11 @@ def number(key: str) -> Number:
     """The paper's statement under `item.name`."""
     found = _entry("numbers", key)
     return Number(
-        *(str(found["quantity"]), found["value"], str(found.get("unit", "1"))),
-        *(str(found["kind"]), str(found["where"])),
+        quantity=str(found["quantity"]),
+        value=found["value"],
+        unit=str(found.get("unit", "1")),
+        kind=str(found["kind"]),
+        where=str(found["where"]),
     )
 
 

@@ -119,8 +119,10 @@ def _drawn(found: dict[Model, list[FrequencySweep]]) -> Figure:
         for k, s in zip(DEVICES, each, strict=True)
     ]  # fmt: skip
     paper = Curve(
-        *("paper", [_stated("measured", k) for k in DEVICES]),
-        *([_stated("displacement", k) for k in DEVICES], "stated"),
+        name="paper",
+        x=[_stated("measured", k) for k in DEVICES],
+        y=[_stated("displacement", k) for k in DEVICES],
+        style="stated",
     )
     plot = Plot(
         "Resonances", Axis("frequency (Hz)"), Axis("amplitude (mm)", least=0.0), [*curves, paper]

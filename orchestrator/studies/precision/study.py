@@ -111,8 +111,13 @@ def precision(
         climb.up(plan, own(plan, controlled=True), [(plan.grid.step, t) for t in sizes])
     simulated = plan.grid.stop - plan.grid.start
     return Study(
-        *(plan.scenario.title, measure.name, measure.bound, shown),
-        *(plan.frequency, simulated, runs),
+        title=plan.scenario.title,
+        reference=measure.name,
+        bound=measure.bound,
+        variables=shown,
+        frequency=plan.frequency,
+        simulated=simulated,
+        runs=runs,
     )
 
 
@@ -162,8 +167,16 @@ class _Runs:
             return MeasuredRun(method, step, tolerance, f"stopped: {error}")
         largest, rms = self.measure.errors(done, self.interrupt)
         made = MeasuredRun(
-            *(method, step, tolerance, "done", min(wall), done.steps, sum(done.calls.values())),
-            *(sum(done.rollbacks.values()), largest, rms),
+            method=method,
+            step=step,
+            tolerance=tolerance,
+            status="done",
+            wall_time=min(wall),
+            steps=done.steps,
+            calls=sum(done.calls.values()),
+            rollbacks=sum(done.rollbacks.values()),
+            largest=largest,
+            rms=rms,
         )
         return replace(made, order=self._order(before, made))
 

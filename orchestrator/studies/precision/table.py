@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...errors import printable
-from ..output_files import save_figure, write_records
+from ...report.image import save_figure
+from ..output_files import write_records
 from .study import TARGETS, MeasuredRun, Study
 
 if TYPE_CHECKING:
@@ -122,4 +123,7 @@ def draw(study: Study, path: Path) -> Path:
     axes[0].legend(fontsize=7)
     figure.suptitle(printable(study.title).replace("$", r"\$"), fontsize=10)
     figure.tight_layout()
-    return save_figure(figure, path, 120)
+    try:
+        return save_figure(figure, path, 120)
+    finally:
+        pyplot.close(figure)

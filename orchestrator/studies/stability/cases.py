@@ -6,14 +6,14 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
-from ...errors import ScenarioError, nearest
+from ...errors import ScenarioError
 from ...recording.settings import Quantity, Text
-from ...scenario.files import read_toml
 from ...scenario.parse import scenario_of
 from ...scenario.plan import LIBRARY, Plan
 from ...simulation.load import planned
+from ..named_list import Named, load_list
 from ..reference.solution import Reference
 
 LADDER = (4, 8, 16, 32, 64, 128, 256, 512, 1024)
@@ -22,27 +22,18 @@ LADDER = (4, 8, 16, 32, 64, 128, 256, 512, 1024)
 SHIPPED = "cases/extremes.toml"
 
 
-class Case(BaseModel):
+class Case(Named):
     """A named scenario, given as a tree that may extend another, with start values changed.
 
     `per_cycle` are its steps; `reference` is what it is measured by where it is not the
     monolith, if there is one.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-    name: Text
     title: Text = ""
     scenario: dict[str, Any]
     set: dict[str, Quantity | bool] = {}
     per_cycle: list[Annotated[int, Field(strict=True, ge=1, le=1_000_000)]] = list(LADDER)
     reference: Reference | None = None
-
-
-class _List(BaseModel):
-    """A file of cases."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-    cases: list[Case]
 
 
 def shipped() -> Path:
@@ -52,21 +43,7 @@ def shipped() -> Path:
 
 def load_cases(path: Path, names: list[str] | None = None) -> list[Case]:
     """Cases of a TOML file, or those of them that are named; `ScenarioError` with what is wrong."""
-    tree = read_toml(path)
-    try:
-        cases = _List.model_validate(tree).cases
-    except ValidationError as error:
-        raise ScenarioError(
-            f"{path}: {'.'.join(map(str, e['loc']))}: {e['msg']}"
-            for e in error.errors(include_url=False)
-        ) from None
-    known = [case.name for case in cases]
-    if twice := {name for name in known if known.count(name) > 1}:
-        raise ScenarioError(f"{path}: two cases are called {', '.join(sorted(twice))}")
-    for name in names or []:
-        if name not in known:
-            raise ScenarioError(f"{path}: no case {name!r}; {nearest(name, known)}")
-    return [case for case in cases if not names or case.name in names]
+    return load_list(path, "cases", Case, names)
 
 
 def plan_of(

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import printable
-from ..output_files import save_figure, write_records
+from ...report.image import save_figure
+from ..output_files import write_records
 from .classification import CLASSES, Trial
 from .study import Study
 
@@ -94,4 +95,7 @@ def draw(study: Study, path: Path) -> Path:
     handles = [Patch(color=COLOURS[kind], label=f"{kind}: {CLASSES[kind]}") for kind in kinds]
     figure.legend(handles=handles, loc="lower center", ncols=2, fontsize=7)
     figure.tight_layout(rect=(0.0, 0.6 / (1.5 + 0.22 * len(cases)), 1.0, 1.0))
-    return save_figure(figure, path, 130)
+    try:
+        return save_figure(figure, path, 130)
+    finally:
+        pyplot.close(figure)

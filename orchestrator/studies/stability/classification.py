@@ -55,7 +55,7 @@ def judged(done: Outcome, error: float, names: Iterable[str]) -> tuple[str, str]
     """
     if error <= ACCURATE:
         return "accurate", ""
-    if any(" of the energy that it exchanges" in text for text in warnings(done)):
+    if any(warning.kind == "coupling energy" for warning in warnings(done)):
         return "inaccurate", "audit"
     found = estimated(done)
     if found.estimates is None:

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import json
 import math
-import os
 import re
 from pathlib import Path
 from typing import IO, Any
 
 from ...errors import OutputError
+from ..run_cache import RunCache
 from .points import Point, Record
 
 LOCK = "lock"
 _POINT = re.compile(r"\.?[0-9a-f]{32}\.(?:json|part)")
 
 
-class Folder:
+class Checkpoint:
     """`TARGET.points`: one JSON file for each finished point, named by the point's key.
 
     A context manager that holds the folder for one sweep at a time.
@@ -26,9 +24,10 @@ class Folder:
 
     def __init__(self, target: Path) -> None:
         self.path = target.with_name(f"{target.name}.points")
+        self._cache = RunCache(self.path)
         self._lock: IO[bytes] | None = None
 
-    def __enter__(self) -> Folder:
+    def __enter__(self) -> Checkpoint:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             self._lock = (self.path / LOCK).open("wb")
@@ -52,32 +51,19 @@ class Folder:
     def read(self, point: Point) -> Record | None:
         """What became of a point; None where that is not known, or no longer readable."""
         try:
-            text = (self.path / f"{point.key}.json").read_text(encoding="utf-8")
-            content = json.loads(text)
-            known = content["record"]
-            if content["sha256"] != _digest(content["point"], known):
-                return None
-            return record_of(known)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            found = self._cache.read(point.key)
+            return None if found is None else record_of(found["record"])
+        except (ValueError, KeyError, TypeError, AttributeError):
             return None
 
     def write(self, point: Point, record: Record) -> None:
         """Keep what became of a point; it survives a kill once this returns."""
-        waiting, target = self.path / f".{point.key}.part", self.path / f"{point.key}.json"
-        known = plain(record)
         named = dict(zip(point.names, point.values, strict=True))
-        content = {"point": named, "record": known, "sha256": _digest(named, known)}
         try:
-            with waiting.open("w", encoding="utf-8") as file:
-                json.dump(content, file, indent=1)
-                file.flush()
-                os.fsync(file.fileno())
-            waiting.replace(target)
-            _settle(self.path)
-        except OSError as error:
+            self._cache.write(point.key, {"point": named, "record": plain(record)})
+        except OutputError as error:
             raise OutputError(
-                f"{target}: cannot be written ({error.strerror}); make room and sweep again:"
-                " the points before it are kept"
+                f"{error}; make room and sweep again: the points before it are kept"
             ) from None
 
     def remove(self) -> None:
@@ -107,13 +93,12 @@ def record_of(known: dict[str, Any]) -> Record:
         for name, value, unit in known["metrics"]
     )
     return Record(
-        *(str(known["status"]), str(known["reason"]), metrics),
-        *(float(known["wall_time"]), int(known["steps"])),
+        status=str(known["status"]),
+        reason=str(known["reason"]),
+        metrics=metrics,
+        wall_time=float(known["wall_time"]),
+        steps=int(known["steps"]),
     )
-
-
-def _digest(*content: Any) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def _locked(file: IO[bytes]) -> bool:
@@ -129,14 +114,3 @@ def _locked(file: IO[bytes]) -> bool:
     except OSError:
         return True
     return True
-
-
-def _settle(folder: Path) -> None:
-    """Have a rename reach the disk, where folders can be synchronised."""
-    if not hasattr(os, "O_DIRECTORY"):
-        return
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import OutputError
+from ...report.files import written_whole
 from ...results.netcdf import netcdf_name, partial_path, provenance
 from .points import Grid, Point, Record
 
@@ -86,17 +86,11 @@ def write(data: xarray.Dataset, path: Path) -> Path:
     All is compressed and checksummed, texts too: a flipped bit is found, not read.
     """
     target = path if data.attrs["complete"] else partial_path(path)
-    waiting = target.with_name(f".{target.name}.part")
     coded = {"zlib": True, "complevel": 1, "fletcher32": True}
     encoding: dict[Any, dict[str, Any]] = {
         name: coded | ({"dtype": "S1"} if variable.dtype == object else {})
         for name, variable in data.variables.items()
     }
-    try:
+    with written_whole(target, failures=(RuntimeError,)) as waiting:
         data.to_netcdf(waiting, engine="netcdf4", encoding=encoding)
-        waiting.replace(target)
-    except (OSError, RuntimeError) as error:
-        raise OutputError(f"{target}: cannot be written ({error})") from None
-    finally:
-        waiting.unlink(missing_ok=True)
     return target

@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
-from ...errors import InputError, ScenarioError, SimulationError, printable
+from ...errors import ScenarioError
 from ...scenario.plan import Plan
+from ..workers.task import RunFailed, answered
 from .axes import Axis
 
 MOST_PROBLEMS = 20
@@ -161,34 +161,20 @@ def calculate(point: Point) -> dict[str, Any]:
     from ...results.netcdf import dataset
     from ...simulation.run import run
 
-    begun = perf_counter()
-    try:
+    def work() -> dict[str, Any]:
         plan = _plan(point.setting, dict(zip(point.names, point.values, strict=True)))
         if unfit := _difference(point, plan):
             return {"unfit": unfit}
         outcome = run(plan, estimate=False)
         if outcome.failure is not None:
-            return _failed(str(outcome.failure), begun, outcome.steps)
+            raise RunFailed(str(outcome.failure), outcome.steps)
         found = metrics(dataset(outcome), plan.scenario.metrics.cycles)
-    except InputError as error:
-        return {"unfit": str(error)}
-    except SimulationError as error:
-        return _failed(str(error), begun)
-    except Exception as error:
-        return _failed(f"{type(error).__name__}: {error}", begun)
-    return {
-        "status": "done",
-        "reason": "",
-        "metrics": [[metric.name, metric.value, metric.unit] for metric in found],
-        "wall_time": perf_counter() - begun,
-        "steps": outcome.steps,
-    }
+        return {
+            "metrics": [[metric.name, metric.value, metric.unit] for metric in found],
+            "steps": outcome.steps,
+        }
 
-
-def _failed(reason: str, begun: float, steps: int = 0) -> dict[str, Any]:
-    told = printable(reason.replace("\n", "; "), most=900)
-    spent = perf_counter() - begun
-    return {"status": "failed", "reason": told, "metrics": [], "wall_time": spent, "steps": steps}
+    return answered(work, {"metrics": []})
 
 
 def _difference(point: Point, plan: Plan) -> str:

@@ -18,7 +18,7 @@ from ...scenario.plan import LIBRARY
 from ...simulation.interrupt import Interrupt, Interrupted
 from ..workers.pool import Answer, Failed, WorkerPool
 from .axes import Axis, check_axes, parse_axis
-from .checkpoint import Folder, record_of
+from .checkpoint import Checkpoint, record_of
 from .peak import FINEST, Peak, middles, peak_of, spacing
 from .points import Grid, Point, Record, Setting, calculate, planned, point_at
 
@@ -74,7 +74,7 @@ def sweep(
         raise InputError(f"refine: {axes[0].name} takes texts, and there is nothing between them")
     prepare(target)
     with (
-        Folder(target) as folder,
+        Checkpoint(target) as folder,
         WorkerPool(calculate, workers, scheduler, patience) as pool,
         _bar(bool(progress)) as told,
     ):
@@ -89,7 +89,7 @@ class _Study:
     def __init__(
         self,
         grid: Grid,
-        folder: Folder,
+        folder: Checkpoint,
         pool: WorkerPool[Point],
         refine: str | None,
         check: Check,

@@ -6,11 +6,12 @@ import asyncio
 import contextlib
 import logging
 import os
+import pickle
 import signal
 import sys
 import tempfile
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -34,8 +35,13 @@ SETTINGS: dict[str, Any] = {
     "distributed.worker.memory.target": False,
     "distributed.worker.memory.spill": False,
     "distributed.worker.memory.pause": False,
+    "distributed.deploy.lost-worker-timeout": 1e9,
 }
-"""A task that loses its worker comes back at once; a worker that is busy or large is let be."""
+"""A task that loses its worker comes back at once; a worker that is busy or large is let be.
+
+A `LocalCluster` would close the nanny of a worker that is not there some seconds after it died,
+be it that it starts slowly or that it has died again: its nanny has it started anew for good.
+"""
 
 PRELOADED = [
     "orchestrator.simulation.load",
@@ -63,9 +69,9 @@ def local(count: int) -> Iterator[Client]:
     with contextlib.ExitStack() as stack:
         stack.enter_context(_quiet())
         stack.enter_context(_same_environment())
-        stack.enter_context(dask.config.set(SETTINGS))
         made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
         scratch = stack.enter_context(made)
+        stack.enter_context(dask.config.set({**SETTINGS, "temporary-directory": scratch}))
         try:
             with _signals_kept_from_children():
                 cluster = distributed.LocalCluster(
@@ -132,6 +138,44 @@ def _distributed() -> Any:
     import distributed
 
     return distributed
+
+
+def nannies(client: Client) -> set[str]:
+    """Addresses of the nannies of the workers that are there; a worker may have none."""
+    workers = client.scheduler_info(n_workers=-1)["workers"].values()
+    return {worker["nanny"] for worker in workers if worker.get("nanny")}
+
+
+def starting(client: Client, addresses: Iterable[str]) -> dict[str, int | None]:
+    """The process that each nanny starts just now, by the address of the nanny.
+
+    `None` where a nanny is between two processes; a nanny that does not answer is not in it.
+    """
+    found: dict[str, int | None] = client.sync(_starting, list(addresses))
+    return found
+
+
+async def _starting(addresses: list[str]) -> dict[str, int | None]:
+    distributed = _distributed()
+    secured = distributed.Security().get_connection_args("client")
+    asked = pickle.dumps(_process)
+    found = {}
+    for address in addresses:
+        nanny = distributed.rpc(address, connection_args=secured)
+        try:
+            answer = await asyncio.wait_for(nanny.run(function=asked), CONNECTING)
+            found[address] = answer["result"]
+        except (OSError, TimeoutError):
+            continue
+        finally:
+            await nanny.close_rpc()
+    return found
+
+
+def _process(dask_worker: Any) -> int | None:
+    """The worker process of a nanny; runs in the nanny."""
+    process: int | None = dask_worker.pid
+    return process
 
 
 def end(client: Client, address: str) -> None:

@@ -22,8 +22,14 @@ Item = TypeVar("Item")
 TICK = 0.1
 """Seconds after which interrupts, hung points and lost workers are looked for again."""
 
-DESERTED = 60.0
-"""Seconds without any worker after which a sweep gives up."""
+LOOK = 1.0
+"""Seconds after which it is looked again for workers that are being started."""
+
+DESERTED = 60
+"""Looks without any worker, or a nanny that starts one, after which a sweep gives up."""
+
+STARTS = 5
+"""Processes of one nanny that may end one after the other before they report for work."""
 
 RECYCLED = 2000
 """Points after which a worker is replaced: each instance leaves some kilobytes behind."""
@@ -69,7 +75,11 @@ class WorkerPool(Generic[Item]):
         self._leaving: set[str] = set()
         self._done: Counter[str] = Counter()
         self._wake = threading.Event()
-        self._seen = 0.0
+        self._nannies: set[str] = set()
+        self._known: set[str] = set()
+        self._begun: set[tuple[str, int]] = set()
+        self._looks = 0
+        self._look = 0.0
 
     def __enter__(self) -> Self:
         return self
@@ -113,7 +123,6 @@ class WorkerPool(Generic[Item]):
 
                 opening = dask_cluster.local(min(self._workers or CPU_COUNT, max(2, points)))
             self._client = self._stack.enter_context(opening)
-            self._seen = monotonic()
         return self._client
 
     def _here(self, client: Client) -> list[str]:
@@ -122,16 +131,42 @@ class WorkerPool(Generic[Item]):
             if client.status != "running":
                 raise OSError("connection lost")
             here = list(client.nthreads())
+            if not self._known.issuperset(here):
+                self._nannies |= dask_cluster.nannies(client)
         except (OSError, TimeoutError, AttributeError) as error:
             where = self._scheduler or "of this machine"
             raise SimulationError(f"the scheduler {where} is gone ({error})") from None
         self._leaving &= set(here)
-        now = monotonic()
-        if set(here) - self._leaving:
-            self._seen = now
-        elif now - self._seen > DESERTED:
-            raise SimulationError(f"no worker has been there for {DESERTED:g} s; start some")
+        self._known = set(here)
+        if self._known - self._leaving:
+            self._looks = 0
+            self._begun.clear()
+        else:
+            self._await_start(client)
         return here
+
+    def _await_start(self, client: Client) -> None:
+        """Wait on while a worker is being started, however slowly; `SimulationError` otherwise.
+
+        A nanny tells which process it starts: one that lives is waited for, those that end
+        before they report are counted.
+        """
+        if monotonic() < self._look:
+            return
+        found = dask_cluster.starting(client, self._nannies)
+        self._look = monotonic() + LOOK
+        self._looks = 0 if found else self._looks + 1
+        self._begun |= {(nanny, pid) for nanny, pid in found.items() if pid is not None}
+        if len(self._begun) > STARTS * len(self._nannies):
+            raise SimulationError(
+                f"{len(self._begun)} worker processes ended one after the other before they could"
+                " take up points: out of memory, or a package that cannot be loaded"
+            )
+        if self._looks > DESERTED:
+            raise SimulationError(
+                f"no worker has been there for {DESERTED * LOOK:g} s, and none is being started;"
+                " start some"
+            )
 
     def _send(
         self, client: Client, here: list[str], waiting: deque[Item], alone: deque[Item]

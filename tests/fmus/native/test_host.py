@@ -17,6 +17,7 @@ from orchestrator.fmi.description import read_interface
 from orchestrator.fmi.instance.library import shared_library
 from tests.fmus.native.pair import slave_class
 from tests.foreign.build import _compiler
+from tests.processes import fresh
 
 PARTS = build_fmus.compilable()
 SOURCE = Path(__file__).with_name("host.c")
@@ -59,7 +60,7 @@ def test_a_host_in_c_gets_the_same_bits(
     sizes = [str(len(group)) for group in groups.values()]
     library = shared_library(interface, tmp_path)
     done = subprocess.run(
-        [str(host), str(library), interface.guid, *sizes, str(STEPS), repr(SIZE)],
+        fresh(host, library, interface.guid, *sizes, STEPS, repr(SIZE)),
         input=rows.tobytes(),
         capture_output=True,
         check=False,

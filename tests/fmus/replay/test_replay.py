@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,7 @@ from orchestrator.errors import InitialisationError, SimulationError
 from orchestrator.fmi.description import read_interface
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
+from tests.processes import python
 
 runner = CliRunner()
 HOME = Path(fmus.__file__).parent / "replay"
@@ -229,9 +229,7 @@ def test_a_large_table_is_in_the_library_itself(tmp_path: Path) -> None:
         " output_interval=3.0)\n"
         "print(*t['y'])"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(built.path)], capture_output=True, text=True
-    )
+    done = subprocess.run(python("-c", script, built.path), capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     values = [float(word) for word in done.stdout.split()]
     assert values == pytest.approx(np.sin([30.0, 33.0, 36.0, 39.0]).tolist(), abs=1e-6)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.scenario.files import scenario_names, scenario_path
+from tests.processes import python
 
 runner = CliRunner()
 
@@ -76,7 +76,7 @@ def test_help_is_light() -> None:
         "try:\n    main()\nexcept SystemExit:\n    pass\n"
         f"print([m for m in {heavy!r} if m in sys.modules], file=sys.stderr)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run(python("-c", code), capture_output=True, text=True, check=True)
     assert "Example:" in done.stdout
     assert done.stderr.strip() == "[]"
 
@@ -117,10 +117,11 @@ def test_plot_draws_what_matches(library: Path, tmp_path: Path) -> None:
     wrong = runner.invoke(app, ["plot", str(target), "--variable", "payload.displacment"])
     assert wrong.exit_code == 2
     assert "did you mean 'payload.displacement'" in wrong.output
-    for bad in ("e.docx", "none/e.png"):
+    (tmp_path / "file").write_text("")
+    for bad in ("e.docx", "file/e.png"):
         refused = runner.invoke(app, ["plot", str(target), "--output", str(tmp_path / bad)])
         assert refused.exit_code == 2, refused.output
-        assert "cannot be drawn" in refused.output
+        assert "cannot be written" in refused.output
     assert runner.invoke(app, ["plot", str(tmp_path / "none.nc")]).exit_code == 2
 
 

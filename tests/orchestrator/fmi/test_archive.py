@@ -312,7 +312,6 @@ def test_folder_is_no_fmu(tmp_path: Path) -> None:
         read_interface(tmp_path)
 
 
-@pytest.mark.timeout(10)
 def test_pipe_is_refused_without_waiting(tmp_path: Path) -> None:
     path = tmp_path / "bad.fmu"
     os.mkfifo(path)

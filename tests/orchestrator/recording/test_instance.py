@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +25,7 @@ from orchestrator.simulation.masters import MASTERS
 from orchestrator.simulation.run import run
 from orchestrator.simulation.system import System
 from tests.conftest import Runner
+from tests.processes import python
 
 runner = CliRunner()
 HEAD = "time [s],force.value [N]\n"
@@ -365,5 +365,5 @@ def test_nothing_of_recordings_is_loaded_without_one(library: Path) -> None:
         "found = [m for m in sys.modules if m.startswith('orchestrator.recording.')]\n"
         "print(json.dumps([m for m in found if not m.endswith('.settings')]))"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run(python("-c", code), capture_output=True, text=True, check=True)
     assert json.loads(done.stdout.splitlines()[-1]) == []

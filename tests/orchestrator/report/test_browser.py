@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from orchestrator.studies.paper.store import Store
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from orchestrator.report.page import write
@@ -21,7 +22,6 @@ from orchestrator.studies.paper.figure7 import figure7
 from orchestrator.studies.paper.figure13 import figure13
 from orchestrator.studies.paper.page import figures, page
 from orchestrator.studies.paper.reproduction import Reproduction
-from orchestrator.studies.paper.store import Store
 
 CHROMIUM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
@@ -130,9 +130,7 @@ def test_the_animation_is_scrubbed_by_keys(opened: Page) -> None:
 def test_the_animation_plays_slowly_and_stops(opened: Page) -> None:
     opened.locator("figure.film select").select_option("10")
     opened.get_by_role("button", name="Play").click()
-    for _ in range(100):
-        if place(opened) > 3.0:
-            break
+    while place(opened) <= 3.0:
         opened.wait_for_timeout(20)
     opened.get_by_role("button", name="Pause").click()
     there = place(opened)

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +14,7 @@ from orchestrator.results.segments import found
 from orchestrator.simulation.load import load
 from orchestrator.simulation.observers import Recorder
 from orchestrator.simulation.run import run
+from tests.processes import python, started, until
 
 SPAN = {"stop": "30 cycles"}
 
@@ -84,24 +80,18 @@ def test_a_killed_run_can_be_recovered(library: Path, tmp_path: Path) -> None:
     """kill -9 in mid-run: what was closed is there, and says that it is not complete."""
     target = tmp_path / "long.nc"
     code = f"""
-from orchestrator.observers import Recorder
-from orchestrator.results import segments_for
-from orchestrator.loading import load
-from orchestrator.simulation import run
+from orchestrator.simulation.observers import Recorder
+from orchestrator.results.netcdf import segments_for
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
 from pathlib import Path
 Recorder.SEGMENT = 1
 plan = load("oscillator-1", None, Path({str(library)!r}), time={{"stop": "100000 cycles"}})
 run(plan, segments=segments_for(plan, Path({str(target)!r})))
 """
-    process = subprocess.Popen([sys.executable, "-c", code])
     folder = folder_of(target)
-    try:
-        limit = time.monotonic() + 60.0
-        while time.monotonic() < limit and len(list(folder.glob("*.nc"))) < 5:
-            time.sleep(0.05)
-    finally:
-        os.kill(process.pid, signal.SIGKILL)
-        process.wait()
+    with started(python("-c", code)) as process:
+        until(lambda: len(list(folder.glob("*.nc"))) >= 5, process)
     closed = len(found(folder).digests)
     assert closed >= 4
     path, rows = recover(folder)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from orchestrator.scenario.files import scenario_names
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from tests.conftest import Runner
+from tests.processes import python
 
 MAPS = Path("/proc/self/maps")
 RAMP = """
@@ -151,7 +151,7 @@ def test_what_a_scenario_does_not_need_is_not_loaded(
         "os._exit(0)  # PythonFMU's library may corrupt the heap when a process ends\n"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, scenario, str(library), absent],
+        python("-c", code, scenario, library, absent),
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert done.stdout.splitlines() == ["[]", "[]"]

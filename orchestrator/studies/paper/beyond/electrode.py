@@ -51,7 +51,12 @@ def electrode(cached_runs: CachedRuns) -> Comparison:
         " 0.5 mA at once.",
     )
     return Comparison(
-        *("electrode", TITLE, words, (), [_drawn(shares)], failures),
+        key="electrode",
+        title=TITLE,
+        words=words,
+        rows=(),
+        figures=[_drawn(shares)],
+        failures=failures,
         extras=[_table(found, shares)],
     )
 

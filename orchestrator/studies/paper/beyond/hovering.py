@@ -143,7 +143,13 @@ def hovering(cached_runs: CachedRuns) -> Comparison:
         " assumed for wings of 40 mm; long and slow ones would need it softer.",
     )
     return Comparison(
-        *("hovering", TITLE, words, (), [_drawn(found)], failures), extras=[_table(found)]
+        key="hovering",
+        title=TITLE,
+        words=words,
+        rows=(),
+        figures=[_drawn(found)],
+        failures=failures,
+        extras=[_table(found)],
     )
 
 

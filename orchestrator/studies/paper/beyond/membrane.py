@@ -61,7 +61,12 @@ def membrane(cached_runs: CachedRuns) -> Comparison:
     ]  # fmt: skip
     failures = [text for _, each in (*bench, *vehicle) for text in each.failures]
     return Comparison(
-        *("membrane", TITLE, words, (), [_drawn(bench, vehicle)], failures),
+        key="membrane",
+        title=TITLE,
+        words=words,
+        rows=(),
+        figures=[_drawn(bench, vehicle)],
+        failures=failures,
         extras=[Table("Full membrane and linear spring", columns, rows)],
     )
 
@@ -93,8 +98,10 @@ def _drawn(
     ]
     sizes.append(
         Curve(
-            *("paper", [_stated("table1.measured_1")], [_stated("table1.displacement_1")]),
-            "stated",
+            name="paper",
+            x=[_stated("table1.measured_1")],
+            y=[_stated("table1.displacement_1")],
+            style="stated",
         )
     )
     strokes = [

@@ -64,7 +64,12 @@ def superharmonic(cached_runs: CachedRuns) -> Comparison:
         " height says more of the amplifier's waveform than of the film.",
     )
     return Comparison(
-        *("superharmonic", TITLE, words, (), [_spectra(found), _bars(sizes)], failures),
+        key="superharmonic",
+        title=TITLE,
+        words=words,
+        rows=(),
+        figures=[_spectra(found), _bars(sizes)],
+        failures=failures,
         extras=[_table(found)],
     )
 

@@ -17,7 +17,7 @@ from orchestrator.studies.paper.figure4 import NODES, figure4, outline
 from orchestrator.studies.paper.job import Answer, Job
 from orchestrator.studies.paper.linkage_pose import joints, links
 from orchestrator.studies.paper.published_values import given
-from orchestrator.studies.paper.store import RunCache
+from orchestrator.studies.run_cache import RunCache
 
 KEPT = ("linkage.displacement", "linkage.flap_angle")
 

@@ -27,7 +27,7 @@ from orchestrator.studies.paper.job import Answer, Job, carry_out, identity
 from orchestrator.studies.paper.metrics import amplitude, harmonics, power
 from orchestrator.studies.paper.page import TONES, facts, page
 from orchestrator.studies.paper.reproduction import BEYOND, COMPARISONS, Reproduction, chosen
-from orchestrator.studies.paper.store import RunCache
+from orchestrator.studies.run_cache import RunCache
 
 runner = CliRunner()
 SHORT = Job("oscillator-1", length=4, per_cycle=20, cycles=2, keep=("payload.kinetic_energy",))

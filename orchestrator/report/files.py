@@ -1,0 +1,53 @@
+"""Files that are whole under their name, or not there."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..errors import OutputError
+
+
+@contextmanager
+def written_whole(
+    path: Path, *, durable: bool = False, failures: tuple[type[Exception], ...] = ()
+) -> Iterator[Path]:
+    """A path beside `path` to write to, which takes its name once the block has ended.
+
+    Where the block fails, what stood at `path` before still stands there and nothing else does.
+    With `durable` the content and the name are on the disk when this returns. Raises
+    :class:`OutputError` with path and reason on an `OSError`, or on one of the `failures` that
+    the library which writes the format has of its own.
+    """
+    caught: tuple[type[Exception], ...] = (OSError, *failures)
+    waiting = path.with_name(f".{path.name}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield waiting
+        if durable:
+            _synchronise(waiting)
+        waiting.replace(path)
+        if durable:
+            _synchronise(path.parent)
+    except caught as error:
+        reason = getattr(error, "strerror", None) or error
+        raise OutputError(f"{path}: cannot be written ({reason})") from None
+    finally:
+        if path.parent.is_dir():
+            waiting.unlink(missing_ok=True)
+
+
+def _synchronise(path: Path) -> None:
+    """Wait until a file, or the names in a folder, are on the disk."""
+    try:
+        number = os.open(path, os.O_RDONLY)
+    except OSError:
+        if path.is_dir():
+            return
+        raise
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)

@@ -1,0 +1,28 @@
+"""A warning about a finished run: its kind, what it concerns, and the figure behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal["coupling energy", "no estimate", "fmu"]
+
+
+@dataclass(frozen=True)
+class RunWarning:
+    """One warning; `figure` is the number that it rests on, where there is one.
+
+    `coupling energy`: share of the exchanged energy that the coupling at `place` has created,
+    negative where it has lost it. `no estimate`: why there is no error estimate. `fmu`: what the
+    component's modelDescription has that is valid but doubtful.
+    """
+
+    kind: Kind
+    place: str
+    text: str
+    figure: float | None = None
+
+    def __str__(self) -> str:
+        return (
+            f"{self.place} {self.text}" if self.figure is not None else f"{self.place}: {self.text}"
+        )

@@ -1,0 +1,29 @@
+"""The metrics of a scenario held against its FMUs: expressions, variables, units."""
+
+from __future__ import annotations
+
+from ..errors import Problems, nearest, printable
+from ..fmi.description import Interface
+from ..units import UnitError
+from .metric_expression import expression_of, unit_of
+from .schema import Scenario
+
+
+def check_metrics(scenario: Scenario, interfaces: dict[str, Interface], problems: Problems) -> None:
+    """Note each metric that cannot be read, or names an output that there is not."""
+    units = {
+        f"{name}.{variable.name}": variable.unit
+        for name, interface in interfaces.items()
+        for variable in interface.of("output")
+    }
+    for name, text in scenario.metrics.defined.items():
+        key = f"metrics.{printable(name)}"
+        try:
+            expression = expression_of(text)
+            for variable in expression.variables:
+                if variable not in units:
+                    hint = nearest(variable, units)
+                    raise ValueError(f"no output {printable(variable)!r}; {hint}")
+            unit_of(expression, units)
+        except (ValueError, UnitError) as error:
+            problems.add(key, error)

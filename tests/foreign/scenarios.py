@@ -1,0 +1,98 @@
+"""Scenarios of foreign FMUs: files written piece by piece, run, and read at their end."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import pytest
+
+from orchestrator.results.outcome import Outcome
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
+
+VERSIONS = (2, 3)
+HANGS = (2, 14, 16)
+"""Faults of FAULTY that never come back."""
+each_version = pytest.mark.parametrize("version", VERSIONS)
+Value = float | str | bool
+Shelf = Callable[..., Path]
+
+
+def toml(value: Value | Path | Mapping[str, Value]) -> str:
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{json.dumps(k)} = {toml(v)}' for k, v in value.items())} }}"
+    if isinstance(value, str | Path):
+        return json.dumps(str(value), ensure_ascii=False)
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def part(name: str, fmu: Path | str, **keys: Value | Mapping[str, Value]) -> str:
+    """A component of a scenario."""
+    lines = [f"{key} = {toml(value)}" for key, value in {"fmu": fmu, **keys}.items()]
+    return "\n".join([f"[components.{name}]", *lines])
+
+
+def wires(*texts: str) -> str:
+    """Wires of a scenario, each written as `a.y -> b.u`, or as `a.y -> b.u * 2.0`."""
+    lines = []
+    for text in texts:
+        ends, _, gain = text.partition(" * ")
+        source, _, target = ends.partition(" -> ")
+        lines += ["[[wires]]", f"from = {toml(source)}", f"to = {toml(target)}"]
+        lines += [f"gain = {gain}"] if gain else []
+    return "\n".join(lines)
+
+
+def hold(values: Mapping[str, Value]) -> str:
+    """Holds of a scenario."""
+    return "\n".join(["[hold]", *(f"{toml(k)} = {toml(v)}" for k, v in values.items())])
+
+
+def scenario(
+    folder: Path, *texts: str, stop: float = 0.1, step: float = 0.01, more: str = ""
+) -> Path:
+    """A scenario file of components, wires and holds."""
+    times = f"[time]\nstop = {stop!r}\nstep = {step!r}\n{more}"
+    path = folder / "scenario.toml"
+    path.write_text("\n".join([times, *texts]))
+    return path
+
+
+def ran(path: Path, **options: object) -> Outcome:
+    outcome = run(load(path, **options))  # type: ignore[arg-type]
+    if outcome.failure is not None:
+        raise outcome.failure
+    return outcome
+
+
+def last(outcome: Outcome) -> dict[str, float]:
+    """Values at the end of a run, by name."""
+    return dict(zip(outcome.names, outcome.rows[-1].tolist(), strict=True))
+
+
+def ring(folder: Path, fmu: Path, gains: tuple[float, float], **keys: Value) -> Path:
+    """Two GAINs, y1 = g1 y2 + 1 and y2 = g2 y1 + 0.5."""
+    first = part("a", fmu, start={"gain": gains[0], "offset": 1.0}, **keys)
+    second = part("b", fmu, start={"gain": gains[1], "offset": 0.5}, **keys)
+    return scenario(folder, first, second, wires("a.y -> b.u", "b.y -> a.u"))
+
+
+def sick(
+    folder: Path,
+    fmu: Path,
+    fault: int,
+    *beside: str,
+    stop: float = 0.1,
+    held: Mapping[str, Value] | None = None,
+    **keys: Value,
+) -> Path:
+    """A FAULTY that strikes in the step to 0.05 s, beside what else there is.
+
+    Only of a fault that hangs does the end come with the patience; healthy calls have plenty.
+    """
+    patience = "2 s" if fault in HANGS else "600 s"
+    start: dict[str, Value] = {"fault": fault, "fault_time": 0.05, "gain": 3.0}
+    unit = part("sick", fmu, start=start, **{"patience": patience, **keys})
+    return scenario(folder, unit, *beside, hold({"sick.u": 1.0, **(held or {})}), stop=stop)

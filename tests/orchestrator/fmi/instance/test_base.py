@@ -1,0 +1,76 @@
+"""One instance outside any scenario: values by name, messages, closing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.errors import SimulationError
+from orchestrator.fmi.archive import extract
+from orchestrator.fmi.description import read_interface
+from orchestrator.fmi.instance import Instance, open_instance
+from orchestrator.fmi.instance.base import MOST_MESSAGES
+from tests.foreign.scenarios import Shelf, each_version
+
+pytestmark = pytest.mark.usefixtures("mark")
+
+
+@pytest.fixture
+def alone(shelf: Shelf, tmp_path: Path) -> Iterator[Callable[..., Instance]]:
+    """A TYPES outside any scenario."""
+    units: list[Instance] = []
+
+    def opened(version: int, isolate: bool) -> Instance:
+        path = shelf("TYPES", version)
+        extract(path, tmp_path / "unpacked")
+        units.append(open_instance("types", read_interface(path), tmp_path / "unpacked", isolate))
+        return units[-1]
+
+    yield opened
+    for unit in units:
+        unit.close()
+        unit.close()
+
+
+@pytest.mark.parametrize("isolate", [True, False], ids=["isolated", "in process"])
+@each_version
+def test_values_set_by_name_stay(
+    version: int, isolate: bool, alone: Callable[..., Instance]
+) -> None:
+    """Setting one element of an array, then another, keeps the first; closing twice is safe."""
+    unit = alone(version, isolate)
+    names = ["out_boolean", "out_enumeration"]
+    names += [f"out_matrix[{i},{j}]" for i in (1, 2) for j in (1, 2)] if version == 3 else []
+    values = np.zeros(len(names))
+    unit.connect([], np.zeros(0), [[unit.interface.variables[n] for n in names]], values)
+    unit.prepare({"in_boolean": 1.0, "in_enumeration": 2.0}, 0.0, 1.0, None)
+    if version == 3:
+        unit.set({"in_matrix[1,1]": 9.0})
+        unit.set({"in_matrix[2,1]": 8.0})
+    unit.enter_initialisation()
+    unit.receive()
+    assert values.tolist() == [0.0, 2.0, 9.0, 8.0, 2.0, 4.0][: len(names)]
+
+
+@pytest.mark.parametrize("isolate", [True, False], ids=["isolated", "in process"])
+def test_only_closing_is_left_to_a_closed_unit(
+    isolate: bool, alone: Callable[..., Instance]
+) -> None:
+    unit = alone(2, isolate)
+    unit.close()
+    unit.close()
+    if isolate:
+        with pytest.raises(SimulationError, match="its process has been given up"):
+            unit.step(0.0, 0.1)
+
+
+def test_last_of_many_messages_is_kept(alone: Callable[..., Instance]) -> None:
+    unit = alone(2, False)
+    for k in range(3 * MOST_MESSAGES):
+        unit.log(1, f"types: message {k}")
+    assert len(unit.messages) == MOST_MESSAGES
+    assert unit.messages[0] == "message 0"
+    assert unit.said() == f": message {3 * MOST_MESSAGES - 1}"

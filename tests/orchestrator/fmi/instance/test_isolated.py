@@ -1,0 +1,175 @@
+"""Instances in processes of their own: the same numbers, and what becomes of the process."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.errors import InitialisationError
+from orchestrator.fmi.archive import extract
+from orchestrator.fmi.description import read_interface
+from orchestrator.fmi.instance import Limits, open_instance
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
+from orchestrator.simulation.system import System
+from tests.foreign.scenarios import Shelf, each_version, hold, part, ran, ring, scenario, wires
+from tests.processes import hosts
+
+pytestmark = pytest.mark.usefixtures("mark")
+
+
+def masses(
+    folder: Path,
+    shelf: Shelf,
+    versions: tuple[int, int] = (2, 2),
+    *,
+    master: str = "interface-newton",
+    more: str = "",
+    isolate: bool | None = None,
+    rollback: bool = True,
+    stop: float = 1.5,
+) -> Path:
+    """Two unit masses on springs of 3 N/m to the ground, and one of 2 N/m between them."""
+    mass = shelf("MASS", versions[0], rollback=rollback)
+    pair = shelf("PAIR", versions[1], rollback=rollback)
+    keys = {} if isolate is None else {"isolate": isolate}
+    return scenario(
+        folder,
+        f'[master]\nkind = "{master}"',
+        part("a", mass, start={"start_displacement": 1.0}, **keys),
+        part("b", mass, **keys),
+        part("pair", pair, start={"stiffness": 2.0, "ground_stiffness": 3.0}, **keys),
+        wires(
+            *(
+                wire
+                for mass, port in (("a", "first"), ("b", "second"))
+                for wire in (
+                    f"{mass}.displacement -> pair.{port}.displacement",
+                    f"{mass}.velocity -> pair.{port}.velocity",
+                    f"pair.{port}.value -> {mass}.force",
+                )
+            )
+        ),
+        stop=stop,
+        more=more,
+    )
+
+
+@pytest.mark.parametrize(
+    ("versions", "rollback", "master", "error"),
+    [
+        ((2, 2), True, "interface-newton", 3e-4),
+        ((3, 3), True, "iterative", 3e-4),
+        ((2, 2), False, "extrapolated", 6e-4),
+        ((3, 3), False, "extrapolated", 6e-4),
+        ((3, 2), False, "gauss-seidel", 6e-2),
+    ],
+)
+def test_two_masses_follow_the_closed_form_isolated_or_not(
+    versions: tuple[int, int],
+    rollback: bool,
+    master: str,
+    error: float,
+    shelf: Shelf,
+    tmp_path: Path,
+) -> None:
+    """x1 = (cos wt + cos Wt)/2 with w^2 = 3, W^2 = 7, and x2 with a minus between."""
+    apart, together = (
+        ran(masses(tmp_path, shelf, versions, master=master, isolate=isolate, rollback=rollback))
+        for isolate in (None, False)
+    )
+    slow, fast = (np.cos(np.sqrt(square) * apart.times) for square in (3.0, 7.0))
+    assert np.abs(apart.series("a.displacement") - 0.5 * (slow + fast)).max() < error
+    assert np.abs(apart.series("b.displacement") - 0.5 * (slow - fast)).max() < error
+    assert apart.rows.tobytes() == together.rows.tobytes()
+    assert (apart.calls, apart.rollbacks) == (together.calls, together.rollbacks)
+
+
+def test_steps_by_tolerance_are_the_same_isolated_or_not(shelf: Shelf, tmp_path: Path) -> None:
+    more = "tolerance = 1e-3"
+    apart, together = (
+        ran(masses(tmp_path, shelf, master="extrapolated", more=more, isolate=isolate, stop=1.0))
+        for isolate in (True, False)
+    )
+    assert apart.rejected == together.rejected
+    assert apart.points == together.points
+    assert apart.rows.tobytes() == together.rows.tobytes()
+    slow, fast = (np.cos(np.sqrt(square) * apart.times) for square in (3.0, 7.0))
+    assert np.abs(apart.series("a.displacement") - 0.5 * (slow + fast)).max() < 1e-2
+
+
+def test_foreign_units_are_isolated_and_ours_are_not(
+    shelf: Shelf, library: Path, tmp_path: Path, mark: str
+) -> None:
+    ours, theirs = part("ours", "payload"), part("theirs", shelf("MASS", 2))
+    held = hold({"ours.force.value": 0.0, "theirs.force": 0.0})
+    with System(load(scenario(tmp_path, ours, theirs, held), library=library)) as system:
+        assert [len(hosts(mark)), len(system.instances)] == [1, 2]
+    assert hosts(mark) == []
+    with System(load(scenario(tmp_path, ours, hold({"ours.force.value": 0.0})), library=library)):
+        assert hosts(mark) == []
+
+
+def test_ours_are_the_same_isolated(library: Path, tmp_path: Path) -> None:
+    def rows(isolate: bool) -> bytes:
+        ours = part("p", "payload", isolate=isolate)
+        path = scenario(tmp_path, ours, hold({"p.force.value": 0.01}))
+        return ran(path, library=library).rows.tobytes()
+
+    assert rows(True) == rows(False)
+
+
+@each_version
+def test_what_can_be_once_in_a_process_gets_one_each(
+    version: int, shelf: Shelf, tmp_path: Path, mark: str
+) -> None:
+    path = ring(tmp_path, shelf("GAIN", version, once=True), (0.5, 0.5))
+    with System(load(path)):
+        assert len(hosts(mark)) == 2
+    ran(path)
+    path = ring(tmp_path, shelf("GAIN", version, once=True), (0.5, 0.5), isolate=False)
+    with pytest.raises(InitialisationError, match=r"refused: .* a second instance"):
+        run(load(path))
+
+
+def test_patience_is_for_calls_not_for_coming_up(
+    shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A process that takes twice the patience to come up is waited for."""
+    limits = Limits(patience=1.5)
+    slow = f"import time; time.sleep({2.0 * limits.patience})"
+    (tmp_path / "sitecustomize.py").write_text(slow)
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
+    path = shelf("MASS", 2)
+    extract(path, tmp_path / "unpacked")
+    unit = open_instance("m", read_interface(path), tmp_path / "unpacked", True, limits)
+    unit.close()
+    assert unit.messages == []
+
+
+def test_process_that_cannot_be_started_is_told(
+    shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*arguments: object, **options: object) -> None:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    path = scenario(tmp_path, part("m", shelf("MASS", 2)), hold({"m.force": 0.0}))
+    monkeypatch.setattr(subprocess, "Popen", full)
+    with pytest.raises(InitialisationError, match=r"m: its process cannot be started \(Too many"):
+        run(load(path))
+
+
+def test_folder_of_an_fmu_is_no_place_for_modules(shelf: Shelf, tmp_path: Path) -> None:
+    """What lies in an FMU under the name of a module is not imported by its process."""
+    path = tmp_path / "trap.fmu"
+    path.write_bytes(shelf("MASS", 2).read_bytes())
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("json.py", "raise SystemExit(7)")
+        archive.writestr("orchestrator/__init__.py", "raise SystemExit(7)")
+    ran(scenario(tmp_path, part("m", path), hold({"m.force": 0.0})))

@@ -1,0 +1,33 @@
+"""Answers of an isolated instance's process that are none."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from orchestrator.fmi.instance.protocol import ANSWER, Garbled, read_answer
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        b"z" + 8 * b"\0",
+        b"k" + b"\xff" * 8,
+        ANSWER.pack(b"k", 3, 0) + b"[1]",
+        ANSWER.pack(b"k", 2, 0) + b"{]",
+        ANSWER.pack(b"f", 40_000, 0) + 40_000 * b"[",
+        ANSWER.pack(b"k", 15, 0) + b'{"messages": 3}',
+    ],
+    ids=["letter", "lengths", "list", "no JSON", "depth", "messages"],
+)
+def test_answer_that_is_none_is_told(answer: bytes) -> None:
+    """The process of an isolated unit may say anything."""
+    reading, writing = os.pipe()
+    try:
+        os.write(writing, answer)
+        with pytest.raises(Garbled):
+            read_answer(reading)
+    finally:
+        os.close(reading)
+        os.close(writing)

@@ -1,0 +1,147 @@
+"""Signals to a master with an isolated instance: rows are kept, no process is left."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import psutil
+import pytest
+import xarray
+
+from orchestrator.simulation.load import load
+from orchestrator.simulation.system import System
+from tests.foreign.scenarios import Shelf, sick
+from tests.processes import REACHED, hosts, marked, resilin, started, until, when
+
+pytestmark = pytest.mark.usefixtures("mark")
+
+
+@contextmanager
+def begun(
+    path: Path, ignored: tuple[str, ...] = (), temporary: str = ""
+) -> Iterator[subprocess.Popen[str]]:
+    """A run as a process of its own, begun so far that its FAULTY has reached fault_time."""
+    reached = path.parent / "reached"
+    command = resilin("run", path, "--output", path.parent / "out.nc", ignored=ignored)
+    places = {"TMPDIR": temporary or tempfile.gettempdir(), REACHED: str(reached)}
+    with started(command, **places) as master:
+        until(reached.exists, master)
+        yield master
+
+
+@pytest.mark.parametrize("fault", [0, 2], ids=["busy", "hanging"])
+def test_unit_follows_its_killed_master(
+    fault: int, shelf: Shelf, tmp_path: Path, mark: str
+) -> None:
+    """Only the folder for temporary files stays: nobody is left to remove it."""
+    (tmp_path / "kept").mkdir()
+    path = sick(tmp_path, shelf("FAULTY", 2), fault, stop=1e5, patience="600 s")
+    with begun(path, temporary=str(tmp_path / "kept")) as master:
+        assert len(hosts(mark)) == 1
+        master.kill()
+        master.wait()
+        until(lambda: marked(mark) == [])
+
+
+@pytest.mark.parametrize(
+    ("ignored", "number"),
+    [
+        ((), signal.SIGINT),
+        ((), signal.SIGTERM),
+        (("SIGINT",), signal.SIGTERM),
+        (("SIGINT",), signal.SIGHUP),
+        (("SIGINT", "SIGHUP"), signal.SIGTERM),
+    ],
+    ids=["interrupt", "end", "end in the background", "hangup in the background", "end of nohup"],
+)
+def test_signal_to_the_whole_group_keeps_the_rows(
+    ignored: tuple[str, ...], number: signal.Signals, shelf: Shelf, tmp_path: Path, mark: str
+) -> None:
+    """Whatever the parent ignores: an ignored signal that comes before does nothing."""
+    path = sick(tmp_path, shelf("FAULTY", 3), 0, stop=1e5)
+    with begun(path, ignored) as master:
+        for name in ignored:
+            os.killpg(master.pid, signal.Signals[name])
+        os.killpg(master.pid, number)
+        _, stderr = master.communicate()
+        assert marked(mark) == []
+    assert master.returncode == 128 + number
+    (line,) = stderr.splitlines()
+    assert line.startswith(f"resilin: stopped by {number.name}; ")
+    with xarray.open_dataset(tmp_path / "out.partial.nc") as data:
+        assert data.attrs["complete"] == 0
+        assert data.sizes["time"] > 1
+
+
+def test_master_that_is_stopped_and_goes_on_keeps_its_unit(
+    shelf: Shelf, tmp_path: Path, mark: str
+) -> None:
+    """The time it was stopped for is not held against the unit, which goes on working."""
+    patience = 2.0
+    path = sick(tmp_path, shelf("FAULTY", 2), 0, stop=1e5, patience=f"{patience} s")
+
+    def worked() -> float:
+        return sum(host.cpu_times().user for host in hosts(mark))
+
+    with begun(path) as master:
+        master.send_signal(signal.SIGSTOP)
+        until(lambda: psutil.Process(master.pid).status() == psutil.STATUS_STOPPED)
+        threading.Event().wait(2.0 * patience)
+        before = worked()
+        master.send_signal(signal.SIGCONT)
+        until(lambda: worked() > before + 0.2, master)
+        master.send_signal(signal.SIGINT)
+        assert "stopped by SIGINT" in master.communicate()[1]
+
+
+def test_second_interrupt_ends_a_hanging_unit(shelf: Shelf, tmp_path: Path, mark: str) -> None:
+    """The first waits for the unit to answer; the second does not, though it is patient.
+
+    Two that come at once count as one, so they come until the run ends.
+    """
+    path = sick(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
+    with begun(path) as master:
+        interrupts = 0
+        while master.poll() is None:
+            os.killpg(master.pid, signal.SIGINT)
+            interrupts += 1
+            try:
+                master.wait(1.0)
+            except subprocess.TimeoutExpired:
+                continue
+        _, stderr = master.communicate()
+        until(lambda: marked(mark) == [])
+    assert interrupts > 1
+    assert master.returncode == 130
+    assert "Traceback" not in stderr
+
+
+def test_interrupt_amid_an_answer_closes_all(
+    shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reached = tmp_path / "reached"
+    monkeypatch.setenv(REACHED, str(reached))
+    path = sick(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
+
+    def struck(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    main = threading.main_thread().ident or 0
+    before = signal.signal(signal.SIGUSR1, struck)
+    try:
+        with (
+            when(reached.exists, lambda: signal.pthread_kill(main, signal.SIGUSR1)),
+            pytest.raises(KeyboardInterrupt),
+            System(load(path)) as system,
+        ):
+            system.instances[0].instance.step(0.0, 1.0)
+        system.close()
+    finally:
+        signal.signal(signal.SIGUSR1, before)

@@ -1,0 +1,181 @@
+"""Workers that crash, hang, are killed, start slowly or not at all."""
+
+from __future__ import annotations
+
+import os
+import signal
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import dask
+import numpy as np
+import pytest
+import xarray
+from distributed import LocalCluster
+
+from orchestrator.errors import InputError, SimulationError
+from orchestrator.studies.sweep.points import Setting, calculate, planned
+from orchestrator.studies.sweep.study import Axis, parse_axis
+from orchestrator.studies.workers import dask_cluster, pool
+from orchestrator.studies.workers.pool import WorkerPool
+from tests.foreign.build import foreign
+from tests.orchestrator.studies.sweeps import SCENARIO, SHORT, STROKE, Sweep, files, ok
+from tests.processes import when
+
+SICK = f"""
+extends = "{SCENARIO}"
+[master]
+order = ["amplifier", "spring", "aero", "linkage", "sick"]
+[components.sick]
+fmu = "faulty.fmu"
+isolate = false
+start = {{ fault_time = "20 ms" }}
+[hold]
+"sick.u" = 1
+[record]
+variables = ["sick.y"]
+"""
+CRASH, HANG, NAN, ERROR = "1", "2", "3", "9"
+HEALTHY = ("0", "11", "12", "17")
+"""Faults that FMI 2 does not know."""
+
+
+@pytest.fixture
+def sick(tmp_path: Path) -> Path:
+    """The flapping scenario beside a unit that fails on demand, in the worker's own process."""
+    foreign("FAULTY", tmp_path)
+    path = tmp_path / "sick.toml"
+    path.write_text(SICK)
+    return path
+
+
+def test_a_sick_point_costs_itself(swept: Sweep, sick: Path, tmp_path: Path) -> None:
+    """A crash, a hang, a number that is none and an error, between healthy neighbours."""
+    target = tmp_path / "out.nc"
+    told = {
+        HEALTHY[0]: "",
+        CRASH: "died twice",
+        HEALTHY[1]: "",
+        HANG: "no answer within 12 s",
+        HEALTHY[2]: "",
+        NAN: "not a finite number",
+        HEALTHY[3]: "",
+        ERROR: "sick: step",
+    }
+    axis = f"sick.fault={','.join(told)}"
+    data = swept(axis, scenario=sick, target=target, patience=12.0)
+    healthy = np.array([not reason for reason in told.values()])
+    assert list(data["status"].values) == list(np.where(healthy, "done", "failed"))
+    assert (np.isfinite(data[STROKE].values) == healthy).all()
+    for reason, expected in zip(data["reason"].values, told.values(), strict=True):
+        assert expected in reason and bool(expected) == bool(reason)
+    with xarray.open_dataset(target) as read:
+        assert read.attrs["complete"] == 1
+        assert list(read["reason"].values) == list(data["reason"].values)
+
+
+def test_a_worker_that_is_killed_costs_nothing(cluster: Any, swept: Sweep, tmp_path: Path) -> None:
+    target = tmp_path / "out.nc"
+    victim = next(iter(cluster.workers.values())).pid
+    with when(lambda: len(files(target)) > 1, lambda: os.kill(victim, signal.SIGKILL)):
+        data = swept("amplifier.frequency=14:22/15Hz", target=target, keep=True)
+    assert set(data["status"].values) == {"done"}
+
+
+class Mortal:
+    """A task that ends its worker once, and what the next one does before it reports for work."""
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, preload: str) -> None:
+        self.died = folder / "died"
+        (folder / "preload.py").write_text(
+            f"import os, time\nif os.path.exists({str(self.died)!r}):\n    {preload}\n"
+        )
+        preloads = [*dask_cluster.PRELOADED, str(folder / "preload.py")]
+        monkeypatch.setattr(dask_cluster, "PRELOADED", preloads)
+        monkeypatch.setattr(pool, "LOOK", 0.05)
+        monkeypatch.setattr(pool, "DESERTED", 2)
+        monkeypatch.setattr(pool, "STARTS", 1)
+
+    def answers(self, *points: int) -> list[tuple[int, Any]]:
+        """What becomes of points, on one worker of a cluster that dask would give up at once."""
+        died = str(self.died)
+
+        def task(point: int) -> dict[str, Any]:
+            import os
+            from pathlib import Path
+
+            if not os.path.exists(died):  # noqa: PTH110
+                Path(died).touch()
+                os._exit(1)
+            return {"twice": 2 * point}
+
+        hasty = dask.config.set({"distributed.deploy.lost-worker-timeout": 0})
+        with hasty, WorkerPool(task, 1) as workers:
+            return list(workers.answers(points, ok))
+
+
+def test_a_worker_that_starts_slowly_is_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Looked for far more often than a sweep looks where nobody is left."""
+    gate = tmp_path / "gate"
+    looked = 0
+    ask = dask_cluster.starting
+
+    def looking(client: Any, nannies: Any) -> dict[str, int | None]:
+        nonlocal looked
+        looked += 1
+        if looked > 10 * pool.DESERTED:
+            gate.touch()
+        return ask(client, nannies)
+
+    monkeypatch.setattr(dask_cluster, "starting", looking)
+    waits = f"while not os.path.exists({str(gate)!r}): time.sleep(0.02)"
+    found = Mortal(tmp_path, monkeypatch, waits).answers(1, 2)
+    assert dict(found) == {1: {"twice": 2}, 2: {"twice": 4}}
+    assert gate.exists()
+
+
+def test_workers_that_end_before_they_report_are_not_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(SimulationError, match=r"2 worker processes ended one after the other"):
+        Mortal(tmp_path, monkeypatch, "os._exit(3)").answers(1, 2)
+
+
+def test_a_scheduler_without_workers_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "LOOK", 0.01)
+    monkeypatch.setattr(pool, "DESERTED", 2)
+    made: Any = LocalCluster
+    with (
+        made(
+            n_workers=0,
+            host="127.0.0.1",
+            scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
+        ) as own,
+        WorkerPool(str, None, own.scheduler_address) as workers,
+        pytest.raises(SimulationError, match=r"no worker has been there .* none is being"),
+    ):
+        list(workers.answers([1], ok))
+
+
+def test_workers_with_other_files_are_told(cluster: Any, library: Path, tmp_path: Path) -> None:
+    """An FMU that changes between planning and running is no part of the sweep."""
+    own = tmp_path / "fmus"
+    own.mkdir()
+    for path in library.glob("*.fmu"):
+        (own / path.name).write_bytes(path.read_bytes())
+    setting = Setting(SCENARIO, str(own), {}, SHORT)
+    points = planned(setting, [parse_axis("amplifier.frequency=17,18Hz")], ok).points
+    with (own / "spring.fmu").open("ab") as file:
+        file.write(b" ")
+    workers = WorkerPool(calculate, None, cluster.scheduler_address, None)
+    with workers, pytest.raises(InputError, match=r"worker tcp.*other FMU files.*same place"):
+        list(workers.answers(points, ok))
+    (own / "spring.fmu").unlink()
+    assert "spring" in calculate(points[0])["unfit"]
+    whole = planned(
+        Setting(SCENARIO, str(library), {}, SHORT), [Axis("linkage.damping", ("1",))], ok
+    )
+    assert "install the same" in calculate(replace(whole.points[0], release="9.9"))["unfit"]
