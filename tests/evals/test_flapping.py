@@ -68,13 +68,13 @@ def test_strokes_beside_the_peaks(native: Path, scenario: str) -> None:
         assert found == pytest.approx(expected, abs=1.0), frequency
 
 
-@pytest.mark.parametrize(("case", "expected"), zip(CASES, (96.0, 103.1, 78.1), strict=True))
+@pytest.mark.parametrize(("case", "expected"), [*zip(CASES, (96.0, 103.1, 78.1), strict=True)])
 def test_without_friction_on_the_load(native: Path, case: str, expected: float) -> None:
     found = stroke(native, f"flapping-{case}", 100, linkage__joint_friction="0")
     assert found == pytest.approx(expected, abs=0.1)
 
 
-@pytest.mark.parametrize(("case", "expected"), zip(CASES, (118.8, 120.6, 118.9), strict=True))
+@pytest.mark.parametrize(("case", "expected"), [*zip(CASES, (118.8, 120.6, 118.9), strict=True)])
 def test_without_dry_friction_it_meets_its_stops(native: Path, case: str, expected: float) -> None:
     found = stroke(native, f"flapping-{case}", 100, linkage__coulomb_friction="0 N")
     assert found == pytest.approx(expected, abs=0.1)

@@ -14,7 +14,7 @@ from ...fmi.description import read_interface
 from ...results.outcome import Outcome
 from ...scenario.files import is_file
 from ...scenario.plan import LIBRARY, Plan, check, fmu_path
-from ...scenario.schema import Component, MasterSettings, Record, Scenario
+from ...scenario.schema import Component, MasterSettings, Metrics, Record, Scenario
 
 MONOLITH = "monolith"
 
@@ -70,6 +70,8 @@ def _renamed(
             "wires": [],
             "hold": _held(MONOLITH),
             "record": Record(variables=records),
+            "metrics": Metrics(cycles=scenario.metrics.cycles),
+            "plot": {},
             "master": MasterSettings(),
             "time": scenario.time.model_copy(update={"frequency": plan.frequency}),
         }

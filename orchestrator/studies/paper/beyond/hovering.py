@@ -126,10 +126,11 @@ def hovering(cached_runs: CachedRuns) -> Comparison:
     words = (
         "The vehicle of figure 11 on the linear spring, with more layers, longer wings and other"
         " voltages: stiffness, damping, force and capacitance in proportion to the layers, the"
-        " force to the square of the voltage, the wings' inertia to the fourth power of their length, 25.35 mg for each"
-        " layer that the slider moves. The lift is that of the assumed quasi-steady coefficients at"
-        " the frequency where it is largest. It is held against the weight of the two cones alone,"
-        " 0.12 g a layer as the paper has it: frame, gear, amplifier and battery come on top.",
+        " force to the square of the voltage, the wings' inertia to the fourth power of their"
+        " length, 25.35 mg for each layer that the slider moves. The lift is that of the assumed"
+        " quasi-steady coefficients at the frequency where it is largest. It is held against the"
+        " weight of the two cones alone, 0.12 g a layer as the paper has it: frame, gear,"
+        " amplifier and battery come on top.",
         f"With what the film stands, the best of these lifts {100 * best.share:.0f} % of its own"
         f" cones: {_said(best)}. Above {1e-3 * PULL_IN:g} kV the film of the paper has no stable"
         " cone, so the curves of 2700 V stand for a film of twice the force; the best of them"

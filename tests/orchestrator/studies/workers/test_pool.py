@@ -26,7 +26,7 @@ from tests.processes import when
 SICK = f"""
 extends = "{SCENARIO}"
 [master]
-order = ["amplifier", "spring", "aero", "linkage", "sick"]
+order = ["amplifier", "actuator", "aero", "linkage", "sick"]
 [components.sick]
 fmu = "faulty.fmu"
 isolate = false
