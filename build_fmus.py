@@ -8,7 +8,7 @@
 Each FMU carries its own copy of the sources it needs as a package named after the FMU and
 the digest of those sources, so that two builds of one part can live in one process. The
 same digest is the GUID: the same sources give the same GUID, on any machine. A native FMU
-carries the same physics as object code instead (docs/native.md).
+carries the same physics as C and as a shared library instead (docs/native.md).
 """
 
 from __future__ import annotations
@@ -231,12 +231,6 @@ def native_exporter(part: Any, platforms: list[str]) -> list[str]:
             f"{part.name} needs {', '.join(part.needs)} when it runs: it cannot be built without"
             " Python; leave out --native"
         )
-    missing = [n for n in ("numba", "llvmlite") if importlib.util.find_spec(n) is None]
-    if missing:
-        raise BuildError(
-            f"--native needs {' and '.join(missing)} to build: pip install 'resilin[native]', or"
-            ' pip install -e ".[native]" in a checkout'
-        )
     from fmus.native.errors import NativeError
     from fmus.native.link import checked
     from fmus.native.package import marks
@@ -272,7 +266,7 @@ def build(
     into = into or (NATIVE if native else OUTPUT)
     wanted = list(platforms)
     if wanted and not native:
-        raise BuildError("--platform goes with --native: the Python FMUs run on all there are")
+        raise BuildError("--platform goes with --native: the Python FMUs run on every platform")
     if native:
         exporter = native_exporter(part, wanted)
     else:
@@ -286,7 +280,6 @@ def build(
     target = into / f"{title}.fmu"
     if not force and _guid_in(target) == guid:
         return _described(title, target, guid, fresh=False)
-    into.mkdir(parents=True, exist_ok=True)
     for path, (origin, make) in part.generated.items():
         try:
             files[path] = make(files[origin].decode()).encode()
@@ -303,6 +296,7 @@ def build(
         problems = _problems(sealed)
         if problems:
             raise BuildError(f"{title}: {problems[0]}")
+        into.mkdir(parents=True, exist_ok=True)
         partial = into / f".{title}.fmu.part"
         shutil.copyfile(sealed, partial)
         partial.replace(target)
@@ -514,7 +508,7 @@ def _replayed(
     if parts and parts != ["replay"]:
         raise BuildError(f"--recording makes a replay: leave out {', '.join(parts)}")
     if not alias:
-        raise BuildError("--recording makes a part of its own: name it with --as")
+        raise BuildError("--recording makes an FMU of its own: name it with --as")
     settings = _assignments(texts or [], [alias]).get(alias, {})
     return ["replay"], open_recorded(path, alias, settings), None
 
@@ -535,22 +529,22 @@ def build_command(
     recording: Annotated[
         Path | None,
         typer.Option(
-            help="Recording to make an FMU of; --set NAME.key=value gives what a scenario may."
+            help="Recording to make an FMU of; --set NAME.key=value takes the keys of a scenario."
         ),
     ] = None,
     into: Annotated[
         Path | None, typer.Option(help="Folder for the FMUs; build/fmus or build/native.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Build even what is unchanged.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Build unchanged parts too.")] = False,
     native: Annotated[
         bool, typer.Option("--native", help="Compile the parts: FMUs without Python in them.")
     ] = False,
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="Platform of a native FMU: linux64, win64, darwin64; may be repeated."),
+        typer.Option(help="Platform of a native FMU: linux64, win64, darwin64; may repeat."),
     ] = None,
 ) -> None:
-    """Build parts into FMUs; what is unchanged is left as it is.
+    """Build parts into FMUs; unchanged ones are left as they are.
 
     Example: build linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
     """

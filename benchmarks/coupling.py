@@ -1,10 +1,10 @@
-"""Error against run time of the laws, on any scenario made of our parts.
+"""Error against run time of the laws, on any scenario made of Resilin's parts.
 
     python benchmarks/coupling.py flapping-full-wings --cycles 20
 
 One table: for each way of using the ports (curvature, affine, held) and each number of steps
 per cycle the largest relative error of the recorded motion against the monolith, the
-observed order, wall time (least of the repeats, loading apart), times real time, and
+observed order, wall time (least of the repeats, without loading), times real time, and
 the share of the time spent outside FMI calls.
 """
 
@@ -28,7 +28,7 @@ from orchestrator.simulation.run import run
 from orchestrator.studies.reference.monolith import as_recorded, monolithic
 
 BASE = 10
-"""Points per cycle at which solutions are compared; every ladder entry is a multiple."""
+"""Points per cycle at which solutions are compared; every number of steps is a multiple."""
 
 MOTIONS = ("displacement", "flap_angle")
 

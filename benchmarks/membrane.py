@@ -1,6 +1,6 @@
 """Error against evaluation time of every fidelity of the membrane, one cone.
 
-    python benchmarks/membrane.py --output results/membrane-ladder.png
+    python benchmarks/membrane.py --output results/membrane-fidelities.png
 
 Linear spring, truncated cone, surrogates of several sizes (the time is that of the FMU's
 evaluation, which is local and does not depend on the size of the table), direct solutions, and
@@ -65,7 +65,7 @@ def surrogate(nodes: tuple[int, int], cells: tuple[int, int]) -> Force:
     span = Range(0.3, 1.25, group(FILM, 2000.0), nodes, cells)
     made = table(FILM, span)
     rows = np.array(made["potential"])
-    unit = FILM.volume * FILM.outer_radius**2 * FILM.moduli[0]
+    scale = FILM.volume * FILM.outer_radius**2 * FILM.moduli[0]
     h = 1e-4
 
     def potential(x: float, e: float) -> float:
@@ -77,7 +77,7 @@ def surrogate(nodes: tuple[int, int], cells: tuple[int, int]) -> Force:
         x, e = height / FILM.outer_radius, group(FILM, voltage)
         terms = ((-2, 1.0), (-1, -8.0), (1, 8.0), (2, -1.0))
         slope = sum(w * potential(x + k * h, e) for k, w in terms) / (12 * h)
-        return slope * unit / FILM.outer_radius
+        return slope * scale / FILM.outer_radius
 
     return force
 
@@ -182,7 +182,7 @@ def measured(
 
 
 def main(
-    output: Annotated[Path, typer.Option()] = Path("results/membrane-ladder.png"),
+    output: Annotated[Path, typer.Option()] = Path("results/membrane-fidelities.png"),
     count: Annotated[int, typer.Option()] = 40,
 ) -> None:
     """Print the table and draw the plot."""
@@ -206,10 +206,10 @@ def main(
     ]
     own = next(row[3] for row in rows if "FMU" in row[0])
     rows = [(n, low, high, own if "surrogate" in n else t, f) for n, low, high, t, f in rows]
-    told = Table("fidelity", "error, V <= 1500", "error, V <= 1920", "us per force", "failed")
+    shown = Table("fidelity", "error, V <= 1500", "error, V <= 1920", "us per force", "failed")
     for name, low, high, spent, failed in rows:
-        told.add_row(name, f"{low:.1e}", f"{high:.1e}", f"{spent:.1f}", str(failed))
-    Console(width=100).print(told)
+        shown.add_row(name, f"{low:.1e}", f"{high:.1e}", f"{spent:.1f}", str(failed))
+    Console(width=100).print(shown)
     spent = {name: time for name, _, _, time, _ in rows}
     Console().print(
         f"one direct solve (16 modes) costs {spent['direct, 16 modes'] / own:.0f} evaluations of"

@@ -46,45 +46,45 @@ EXCITED = {
 
 
 def loaded(fmu: Path, folder: Path) -> InProcessInstance:
-    """An initialised unit with buffers over all real inputs and outputs."""
+    """An initialised instance with buffers over all real inputs and outputs."""
     extract(fmu, folder)
     interface = read_interface(fmu)
-    unit = in_process(fmu.stem, interface, folder)
-    unit.prepare({}, 0.0, 1.0, None)
+    instance = in_process(fmu.stem, interface, folder)
+    instance.prepare({}, 0.0, 1.0, None)
     inputs = [v for v in interface.of("input") if v.kind == "Real"]
     outputs = interface.of("output")
     sent = np.array([EXCITED.get(v.name, float(v.start or 0.0)) for v in inputs])
-    unit.connect(inputs, sent, [outputs], np.zeros(len(outputs)))
-    unit.enter_initialisation()
-    unit.send()
-    unit.exit_initialisation()
-    return unit
+    instance.connect(inputs, sent, [outputs], np.zeros(len(outputs)))
+    instance.enter_initialisation()
+    instance.send()
+    instance.exit_initialisation()
+    return instance
 
 
-def calls(unit: InProcessInstance) -> dict[str, Callable[[], Any]]:
-    """What is timed: each call alone, all three as a step of a master, a state there and back."""
+def calls(instance: InProcessInstance) -> dict[str, Callable[[], Any]]:
+    """What is timed: a step alone, a step with its inputs and outputs, saving and restoring."""
     time = 0.0
 
     def step() -> None:
         nonlocal time
-        unit.step(time, STEP)
+        instance.step(time, STEP)
         time += STEP
 
     def round_trip() -> None:
-        unit.send()
+        instance.send()
         step()
-        unit.receive()
+        instance.receive()
 
     def rollback() -> None:
-        state = unit.save()
-        unit.restore(state)
-        unit.forget(state)
+        state = instance.save()
+        instance.restore(state)
+        instance.forget(state)
 
     return {"set + step + get": round_trip, "step": step, "state": rollback}
 
 
 def least(both: list[Callable[[], Any]]) -> list[float]:
-    """Microseconds a call, taken in turns so that both kinds meet the same machine."""
+    """Microseconds for a call, measured in turns so that both kinds share the machine's load."""
     found: list[list[float]] = [[] for _ in both]
     for _ in range(REPEATS):
         for times, call in zip(found, both, strict=True):
@@ -99,18 +99,18 @@ def parts() -> None:
     print(f"{'part':12} {'call':18} {'Python us':>10} {'native us':>10} {'ratio':>7}")
     for fmu in sorted(NATIVE.glob("*.fmu")):
         with tempfile.TemporaryDirectory() as folder:
-            units = []
+            instances = []
             for kind in (LIBRARY, NATIVE):
                 place = Path(folder) / kind.name
                 place.mkdir()
-                units.append(loaded(kind / fmu.name, place))
-            slow, fast = (calls(unit) for unit in units)
+                instances.append(loaded(kind / fmu.name, place))
+            slow, fast = (calls(instance) for instance in instances)
             for name in slow:
                 python, native = least([slow[name], fast[name]])
                 ratio = python / native
                 print(f"{fmu.stem:12} {name:18} {python:10.1f} {native:10.2f} {ratio:7.1f}")
-            for unit in units:
-                unit.close()
+            for instance in instances:
+                instance.close()
 
 
 def scenarios(names: tuple[str, ...]) -> None:
@@ -125,9 +125,9 @@ def scenarios(names: tuple[str, ...]) -> None:
             for _ in range(3):
                 for k, plan in enumerate(plans):
                     with System(plan) as system:
-                        method = GaussSeidel(system, plan.scenario.master)
+                        master = GaussSeidel(system, plan.scenario.master)
                         begun = process_time()
-                        advance(system, method, [])
+                        advance(system, master, [])
                         passed = process_time() - begun
                     best[k] = max(best[k], (plan.grid.stop - plan.grid.start) / passed)
             python, native = best
@@ -135,7 +135,7 @@ def scenarios(names: tuple[str, ...]) -> None:
 
 
 def reference() -> None:
-    """Needs the source tree and the packages of the extra `native`, unlike the rest."""
+    """Needs the source tree and a C compiler, unlike the rest."""
     from fmus.amplifier.physics import Input
     from fmus.monolith import equations, physics
     from fmus.native.reference import right_hand_side

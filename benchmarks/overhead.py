@@ -3,7 +3,7 @@
 `python benchmarks/overhead.py [SCENARIO ...]`. The bare loop calls set, doStep and get of the same
 instances with preallocated buffers and moves nothing between them; `calls` repeats exactly
 the FMI calls that the master makes, followers included. The minimum of several
-repeats is shown, in microseconds per communication step and unit.
+repeats is shown, in microseconds per communication step and instance.
 """
 
 from __future__ import annotations
@@ -25,27 +25,27 @@ SCENARIOS = ("oscillator-1", "flapping-no-wing", "flapping-full-wings")
 
 def bare(system: System, followers: bool) -> float:
     """Seconds for `STEPS` rounds of FMI calls."""
-    units = [coupled.instance for coupled in system.instances]
+    instances = [coupled.instance for coupled in system.instances]
     again = [coupled.instance for coupled in system.followers] if followers else []
     step = system.plan.grid.step
     begun = perf_counter()
     for k in range(STEPS):
         time = k * step
-        for unit in units:
-            unit._send()  # type: ignore[attr-defined]
-            unit._do_step(unit._instance, time, step, 1)  # type: ignore[attr-defined]
-            unit._receive[-1]()  # type: ignore[attr-defined]
-        for unit in again:
-            unit._send()  # type: ignore[attr-defined]
-            unit._receive[-1]()  # type: ignore[attr-defined]
+        for instance in instances:
+            instance._send()  # type: ignore[attr-defined]
+            instance._do_step(instance._instance, time, step, 1)  # type: ignore[attr-defined]
+            instance._receive[-1]()  # type: ignore[attr-defined]
+        for instance in again:
+            instance._send()  # type: ignore[attr-defined]
+            instance._receive[-1]()  # type: ignore[attr-defined]
     return perf_counter() - begun
 
 
 def ours(system: System) -> float:
     """Seconds for `STEPS` steps of the sequential master, nothing recorded."""
-    method = GaussSeidel(system, system.plan.scenario.master)
+    master = GaussSeidel(system, system.plan.scenario.master)
     begun = perf_counter()
-    advance(system, method, [])
+    advance(system, master, [])
     return perf_counter() - begun
 
 
@@ -59,7 +59,8 @@ def least(plan: Plan, measure: Callable[[System], float]) -> float:
 
 
 def main() -> None:
-    print(f"{'scenario':22} {'units':>5} {'bare':>8} {'calls':>8} {'master':>8}  of bare  of calls")
+    head = f"{'scenario':22} {'FMUs':>5} {'bare':>8} {'calls':>8} {'master':>8}"
+    print(f"{head}  of bare  of calls")
     for name in sys.argv[1:] or SCENARIOS:
         base = load(name)
         stop = STEPS * base.grid.step

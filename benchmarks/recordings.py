@@ -1,7 +1,7 @@
-"""Each part replaced by its own recording: how far the rest is then from what it was.
+"""Each part replaced by its own recording: how far the other parts are then from the whole run.
 
 `python benchmarks/recordings.py` prints the tables of docs/recordings.md: the largest difference
-of a variable of the rest, relative to its largest value.
+of a variable of the other parts, relative to its largest value.
 """
 
 from __future__ import annotations
@@ -33,19 +33,19 @@ CASES: dict[str, dict[str, tuple[list[str], str, str]]] = {
         "linkage": (["motion.displacement", "motion.flap_angle"], "actuator.force.value", ""),
     },
 }
-"""Part -> columns that are the bare values of its ports, what is compared, and what is held."""
+"""Part -> columns that are the bare values of its ports, compared variable, and held inputs."""
 STEPS = {"oscillator-1": 60, "flapping-full-wings": 50}
 
 
 def replayed(
-    folder: Path, scenario: str, part: str, tape: Path, kind: str, columns: list[str], holds: str,
-    library: Path = LIBRARY, **options: object,
+    folder: Path, scenario: str, part: str, recording: Path, kind: str, columns: list[str],
+    holds: str, library: Path = LIBRARY, **options: object,
 ) -> Outcome:  # fmt: skip
     """Outcome of a scenario with a recording in one part's place; all columns if none is given."""
     path = folder / "replayed.toml"
     listed = ", ".join(f'"{name}" = "{name}"' for name in columns)
     path.write_text(
-        f'extends = "{scenario}"\n[components.{part}]\ndata = "{tape}"\n'
+        f'extends = "{scenario}"\n[components.{part}]\ndata = "{recording}"\n'
         f'interpolation = "{kind}"\nafter = "hold"\n'
         + (f"columns = {{ {listed} }}\n" if columns else "")
         + (holds if columns else "")
@@ -56,7 +56,7 @@ def replayed(
 
 
 def difference(whole: Outcome, other: Outcome, name: str) -> float:
-    """Largest difference of a variable at the points that both have, by its largest value."""
+    """Largest difference of a variable at shared points, relative to its largest value."""
     _, mine, its = np.intersect1d(whole.times.round(12), other.times.round(12), return_indices=True)
     one, two = whole.series(name)[mine], other.series(name)[its]
     return float(np.abs(one - two).max() / np.abs(one).max())
@@ -78,10 +78,10 @@ def main() -> None:
                     ("values, four times as many rows", 4, columns, STEPS[scenario]),
                 ):
                     rate = {"per_cycle": finer * STEPS[scenario]}
-                    tape = folder / f"{part}-{finer}.csv"
-                    if not tape.exists():
+                    recording = folder / f"{part}-{finer}.csv"
+                    if not recording.exists():
                         plan = load(scenario, time={"stop": STOP, "step": rate})
-                        write_port_recording(run(with_recorded_ports(plan, part)), tape)
+                        write_port_recording(run(with_recorded_ports(plan, part)), recording)
                     step = {"per_cycle": per_cycle}
                     against = whole
                     if per_cycle != STEPS[scenario]:
@@ -90,7 +90,7 @@ def main() -> None:
                         difference(
                             against,
                             replayed(
-                                folder, scenario, part, tape, kind, used, holds,
+                                folder, scenario, part, recording, kind, used, holds,
                                 time={"stop": STOP, "step": step},
                             ),
                             name,
@@ -98,8 +98,8 @@ def main() -> None:
                         for kind in KINDS
                     ]  # fmt: skip
                     print(f"| {part} | {way} | {' | '.join(f'{e:.1e}' for e in errors)} |")
-            for tape in folder.glob("*.csv"):
-                tape.unlink()
+            for recording in folder.glob("*.csv"):
+                recording.unlink()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Frequency sweep of a scenario: amplitude and phase, one run a point.
+"""Frequency sweep of a scenario: amplitude and phase, one run for each point.
 
     python benchmarks/sweep.py bench-silicone --set amplifier.waveform=half_wave_sine
 
@@ -59,10 +59,10 @@ def main(
             continue
         found = {m.name: m.value for m in metrics(dataset(outcome), 3)}
         rows.append((frequency, 0.5e3 * found["travel"], math.degrees(found["phase"])))
-    told = Table("Hz", "amplitude mm", "phase deg", title=f"{scenario} {changes or ''}")
+    table = Table("Hz", "amplitude mm", "phase deg", title=f"{scenario} {changes or ''}")
     for frequency, amplitude, phase in rows:
-        told.add_row(f"{frequency:g}", f"{amplitude:.3f}", f"{phase:.1f}")
-    Console(width=90).print(told)
+        table.add_row(f"{frequency:g}", f"{amplitude:.3f}", f"{phase:.1f}")
+    Console(width=90).print(table)
     size = np.array([row[1] for row in rows])
     for k in range(1, len(rows) - 1):
         if size[k] > size[k - 1] and size[k] > size[k + 1]:

@@ -1,32 +1,35 @@
-"""Co-simulation of FMUs: scenarios, units, masters, results.
+"""Co-simulation of FMUs: scenarios, instances, masters, results.
 
-The two names that most users need are here: :func:`load` and :func:`run`. Both are imported when
-they are first used, so that a command that needs neither stays light.
+What most users need is here: :func:`load`, :func:`run`, :func:`dataset`, and :class:`Observer`
+with the :class:`View` that it is given. All are imported when they are first used, so that a
+command that needs none of them stays light.
 """
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .results.netcdf import dataset
     from .simulation.load import load
+    from .simulation.observers import Observer
     from .simulation.run import run
+    from .simulation.view import View
 
-__all__ = ["dataset", "load", "run"]
+__all__ = ["Observer", "View", "dataset", "load", "run"]
+
+HOMES = {
+    "Observer": "simulation.observers",
+    "View": "simulation.view",
+    "dataset": "results.netcdf",
+    "load": "simulation.load",
+    "run": "simulation.run",
+}
+"""Module of each public name."""
 
 
 def __getattr__(name: str) -> Any:
-    if name == "load":
-        from .simulation.load import load
-
-        return load
-    if name == "run":
-        from .simulation.run import run
-
-        return run
-    if name == "dataset":
-        from .results.netcdf import dataset
-
-        return dataset
+    if name in HOMES:
+        return getattr(import_module(f".{HOMES[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

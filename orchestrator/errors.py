@@ -3,13 +3,14 @@
 ResilinError                     exit code
 +-- InputError                   2   the user's files and options
 |   +-- ScenarioError            a scenario: file, key, remedy; may list several
-|   +-- FmuError                     an FMU file: archive, description, platform
-|   +-- RecordingError               a recording: file, line, column
-|   +-- OutputError                  a result that cannot be written
+|   +-- FmuError                 an FMU file: archive, description, platform
+|   +-- RecordingError           a recording: file, line, column
+|   +-- OutputError              a result that cannot be written
 +-- SimulationError              1   a run that could not go on
     +-- InstanceFailure          an instance returned anything but OK
-    +-- Divergence                   NaN, infinity, bounds left, runaway growth
-    +-- InitialisationError          no consistent start
+    +-- Divergence               NaN, infinity, bounds left, runaway growth
+    +-- InitialisationError      2   no consistent start
+    +-- ObserverError            an observer of the user's that raised
 """
 
 from __future__ import annotations
@@ -44,11 +45,11 @@ class ScenarioError(InputError):
 
 
 class FmuError(InputError):
-    """A file that is not an FMU which can be used."""
+    """A file that cannot be used as an FMU."""
 
 
 class RecordingError(InputError):
-    """A file that is not a recording which can be used."""
+    """A file that cannot be used as a recording."""
 
 
 class OutputError(InputError):
@@ -56,7 +57,7 @@ class OutputError(InputError):
 
 
 class Problems:
-    """Gathers what is wrong with one file of the user's, so that all of it is raised at once."""
+    """Collects the problems of one file of the user, so that all of them are raised at once."""
 
     def __init__(self, file: object, kind: type[InputError] = ScenarioError) -> None:
         self._file = file
@@ -67,11 +68,11 @@ class Problems:
         return len(self._found)
 
     def add(self, key: str, message: object) -> None:
-        """Note what is wrong at a key, such as `time.step`, and the way out."""
+        """Add what is wrong at a key, such as `time.step`, and the way out."""
         self._found.append((key, str(message)))
 
     def at(self, *tables: str) -> bool:
-        """Whether any problem concerns one of these keys, or something inside of them."""
+        """Whether any problem concerns one of these keys, or something inside them."""
         return any(
             key == table or key.startswith((f"{table}.", f"{table}[", f"{table} "))
             for key, _ in self._found
@@ -79,7 +80,7 @@ class Problems:
         )
 
     def check(self) -> None:
-        """Raise every problem, each once, as `file: key: message`; nothing where there is none."""
+        """Raise every problem, each once, as `file: key: message`; without problems, return."""
         if self._found:
             lines = (f"{self._file}: {key}: {message}" for key, message in self._found)
             raise self._kind(dict.fromkeys(lines))
@@ -90,46 +91,50 @@ class SimulationError(ResilinError):
 
 
 class InstanceFailure(SimulationError):
-    """A unit returned a status other than OK, or refused to start."""
+    """An instance returned a status other than OK, or refused to start."""
 
 
 class Divergence(SimulationError):
-    """A value that is no longer meaningful."""
+    """A value that is not finite, leaves its bounds or grows without end."""
 
 
 class InitialisationError(SimulationError):
-    """The units refuse their start values, or these do not settle."""
+    """The instances refuse their start values, or no consistent ones are found."""
 
     exit_code = 2
 
 
+class ObserverError(SimulationError):
+    """An observer given to `run` raised; the cause is its own exception."""
+
+
 class RenamedWarning(FutureWarning):
-    """Something goes by a new name; the old one is understood for one release."""
+    """An old name was used; it is accepted for one more release."""
 
 
 def renamed(old: str, new: str) -> None:
     """Warn that an old name was used, with the new one."""
     warnings.warn(
-        f"{old} is now called {new}; the next release does not know the old name",
+        f"{old} is now called {new}; the next release drops the old name",
         RenamedWarning,
         stacklevel=3,
     )
 
 
 def nearest(word: str, words: Iterable[str], *, show: int = 8) -> str:
-    """`did you mean 'x'?`, or what there is, cut to `show` names."""
+    """`did you mean 'x'?`, or a list of the words, cut to `show` of them."""
     choices = sorted(words)
     close = difflib.get_close_matches(word, choices, n=1, cutoff=0.6)
     if close:
         return f"did you mean {close[0]!r}?"
     if not choices:
         return "there is none"
-    listed = ", ".join(choices[:show])
-    return f"there is {listed}" + (", ..." if len(choices) > show else "")
+    listed = ", ".join(choices[:show]) + (", ..." if len(choices) > show else "")
+    return f"there {'is' if len(choices) == 1 else 'are'} {listed}"
 
 
 def printable(text: str, *, most: int = 200) -> str:
-    """Text from a stranger, safe for a terminal: controls and bidi marks escaped, cut."""
+    """Foreign text, safe for a terminal: controls and bidi marks escaped, cut to `most`."""
     cut = text if len(text) <= most else text[:most] + "..."
     if cut.isascii() and cut.isprintable():
         return cut

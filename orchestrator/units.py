@@ -1,13 +1,21 @@
-"""Units at the border: texts such as `1.9 mm` to SI, by pint.
+"""Conversion of units: texts such as `1.9 mm` to SI, by pint.
 
-Inside, numbers are plain floats in SI. FMI writes products as `N.s/m` and `V2/s2`.
+Inside the program, numbers are plain floats in SI. FMI writes products as `N.s/m` and `V2/s2`.
 """
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import hashlib
+import json
 import math
+import os
 import re
+import tempfile
+from collections.abc import Callable
+from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 from .errors import printable
@@ -20,8 +28,54 @@ _UNIT = re.compile(rf"{_FACTOR}(?:\s*[*/.·]\s*{_FACTOR})*")
 OFFSET_UNITS = ("degC", "degF", "celsius", "fahrenheit")
 
 
+class Answers:
+    """What pint has answered before, in a file of the user's cache: loading pint takes long.
+
+    They are kept under the version of pint and of this file.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[str, list[Any]] | None = None
+
+    def known(self, *question: str) -> list[Any] | None:
+        """The answer to a question; None where it has not been asked yet."""
+        return self._table().get("\n".join(question))
+
+    def keep(self, answer: list[Any], *question: str) -> None:
+        """Add an answer; where the file cannot be written, it is asked again next time."""
+        table = self._table()
+        table["\n".join(question)] = answer
+        path = self._path()
+        with contextlib.suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False) as file:
+                json.dump(table, file)
+            Path(file.name).replace(path)
+
+    def _table(self) -> dict[str, list[Any]]:
+        if self._known is None:
+            try:
+                found = json.loads(self._path().read_text(encoding="utf-8"))
+                self._known = found if isinstance(found, dict) else {}
+            except (OSError, ValueError):
+                self._known = {}
+        return self._known
+
+    @staticmethod
+    @functools.cache
+    def _path() -> Path:
+        digest = hashlib.sha256(Path(__file__).read_bytes())
+        digest.update(metadata.version("pint").encode())
+        root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "resilin"
+        return root / f"units-{digest.hexdigest()[:16]}.json"
+
+
+answers = Answers()
+REFUSED = "refused"
+
+
 class UnitError(ValueError):
-    """A text that is no quantity, or not of the unit asked for."""
+    """A text that is not a quantity, or not convertible to the unit asked for."""
 
 
 @functools.cache
@@ -43,14 +97,38 @@ def parsed(unit: str) -> Any:
         raise UnitError(f"unknown unit {unit!r} ({printable(str(error))})") from None
 
 
+def _asked(question: tuple[str, ...], ask: Callable[[], list[Any]]) -> list[Any]:
+    """The answer to a question, from the cache or from pint; refusals are answers too."""
+    known = answers.known(*question)
+    if known is None:
+        try:
+            known = ask()
+        except UnitError as error:
+            known = [REFUSED, str(error)]
+        answers.keep(known, *question)
+    if known[0] == REFUSED:
+        raise UnitError(known[1])
+    return known
+
+
+def check_unit(unit: str) -> None:
+    """`UnitError` where a unit is not known."""
+    _asked(("unit", unit), lambda: [str(parsed(unit))])
+
+
 def factor(from_unit: str, to_unit: str) -> float:
-    """What a number in one unit is multiplied by to be in the other.
+    """Factor that converts a number from one unit to the other.
 
     Raises `UnitError` where the dimensions differ, or where a conversion would need an
     offset (degrees Celsius): such a wire is ambiguous between value and difference.
     """
     if from_unit == to_unit:
         return 1.0
+    found = _asked(("factor", from_unit, to_unit), lambda: [_factor(from_unit, to_unit)])
+    return float(found[0])
+
+
+def _factor(from_unit: str, to_unit: str) -> float:
     one, other = parsed(from_unit), parsed(to_unit)
     registry = _registry()
     if one.dimensionality != other.dimensionality:
@@ -72,8 +150,13 @@ def in_base(unit: str) -> tuple[str, float]:
     """The SI unit of the same dimension as FMI writes it, and how many of it one `unit` is.
 
     `V` and `m/s` stay what they are, `mN` becomes `N`, `g*mm` `kg.m`. Raises `UnitError` for
-    what is no unit, and for degrees Celsius and Fahrenheit.
+    what is not a unit, and for degrees Celsius and Fahrenheit.
     """
+    name, size = _asked(("base", unit), lambda: list(_in_base(unit)))
+    return str(name), float(size)
+
+
+def _in_base(unit: str) -> tuple[str, float]:
     one = parsed(unit)
     registry = _registry()
     if registry.Quantity(0.0, one).to_base_units().magnitude != 0.0:

@@ -1,1 +1,1 @@
-"""Other co-simulation tools beside ours, on the same FMUs: error against run time."""
+"""Other co-simulation tools beside Resilin, on the same FMUs: error against run time."""

@@ -1,4 +1,4 @@
-"""`python benchmarks/peers`: the folder is a package, its parent goes on the path."""
+"""`python benchmarks/peers`: the folder is a package, whose parent is put on the path."""
 
 from __future__ import annotations
 

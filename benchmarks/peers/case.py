@@ -1,7 +1,7 @@
-"""One run as data that any tool can take: FMUs, start values, wires, step, what is watched.
+"""One run as data that any tool can take: FMUs, start values, wires, step, watched outputs.
 
-Written as JSON for a process of its own, which may belong to another Python: nothing here
-or in `tools/` that a foreign tool runs through imports the orchestrator.
+It is written as JSON for a process of its own, which may run another Python: neither this module
+nor those of foreign tools in `tools/` import the orchestrator.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU under a name, with what it starts from."""
+    """An FMU under a name, with its start values."""
 
     name: str
     path: str
@@ -55,8 +55,8 @@ class Watched:
 class Case:
     """A scenario at one step by one wiring.
 
-    `components` stand in the order in which a sequential tool should step them. `count` steps
-    of `step` [s] are taken; `every` how many of them values are compared. `rtol` is the
+    `components` are in the order in which a sequential tool should step them. `count` steps of
+    `step` [s] are taken; values are compared after `every` so many of them. `rtol` is the
     tolerance of tools that have one in place of a step. `bonds` are pairs of wires, by their
     places, whose values make a power. `scenario`, `library` and `cycles` are for tools that read
     scenarios.
@@ -81,7 +81,7 @@ class Case:
 
 
 def read(path: Path) -> Case:
-    """A case as another process has written it."""
+    """A case from the file that another process has written."""
     return case_from(json.loads(path.read_text(encoding="utf-8")))
 
 

@@ -1,8 +1,8 @@
 """One run in a process of its own: `python -m peers.child CASE TOOL METHOD REPEATS RESULT`.
 
-The clock runs while the loaded case is stepped, nothing else; the least of the repeats counts,
-and one run is enough where it takes longer than `LONG`. What came of it goes into a file, so that a
-tool may print what it likes, and may take the process with it.
+Only the stepping of the loaded case is timed; the least of the repeats counts, and one run is
+enough where it takes longer than `LONG`. The result goes into a file, so that a tool may print
+anything, and may crash the process.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def timed(tool: Tool, case: Case, method: str) -> tuple[float, Track]:
 
 
 def measured(tool: Tool, case: Case, method: str, repeats: int) -> dict[str, Any]:
-    """What the parent wants to know of a run."""
+    """Result of a run, for the parent process."""
     wall, track = timed(tool, case, method)
     for _ in range(repeats - 1 if wall <= LONG else 0):
         again, _ = timed(tool, case, method)

@@ -1,8 +1,8 @@
-"""The one command: every tool over its ladder, one table, one file, one picture.
+"""The one command: every tool at its steps or tolerances, one table, one file, one plot.
 
     python benchmarks/peers --scenario flapping-full-wings --tools ecos,fmpy.ssp --budget 30
 
-What each tool does with our FMUs, and figures of a whole run: docs/peers.md.
+What each tool does with Resilin's FMUs, and figures of a whole run: docs/peers.md.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from orchestrator.scenario.plan import LIBRARY
 from .case import Case
 from .figures import judge
 from .measured_run import MeasuredRun, Setting, run
-from .picture import draw
+from .plot import draw
 from .reference import Reference
-from .table import cost_table, rung_table, write
+from .table import cost_table, run_table, write
 from .tools import TOOLS
 from .tools.base import Method, Tool
 from .wiring import POINTS, case_of
@@ -31,7 +31,7 @@ TOLERANCES = "1,1e-1,1e-2,1e-3,1e-4,1e-6,1e-8"
 
 
 class Bench:
-    """One run of the benchmark: a scenario, its reference, and what bounds the tools."""
+    """One run of the benchmark: a scenario, its reference, and the budget of each run."""
 
     def __init__(
         self, scenario: str, library: Path, cycles: float, budget: float, repeats: int
@@ -43,7 +43,7 @@ class Bench:
 
     def case(self, setting: Setting) -> Case:
         """The case of a setting; a tool with a tolerance is compared at the coarsest points."""
-        steps = setting.ladder == "steps"
+        steps = setting.varied == "steps"
         wiring = setting.wiring if setting.wiring != "one ODE" else "values"
         made = case_of(
             self.scenario,
@@ -54,15 +54,15 @@ class Bench:
         )
         return replace(made, rtol=0.0 if steps else setting.place)
 
-    def climb(
-        self, tool: Tool, method: Method, wiring: str, ladder: list[float], python: str
+    def curve(
+        self, tool: Tool, method: Method, wiring: str, places: list[float], python: str
     ) -> list[MeasuredRun]:
-        """A curve from coarse to fine, as far as the budget goes."""
+        """Runs from coarse to fine, as far as the budget goes."""
         found: list[MeasuredRun] = []
         before: MeasuredRun | None = None
-        for place in ladder:
-            setting = Setting(tool.name, method.name, wiring, method.ladder, place)
-            if before is not None and method.ladder == "steps":
+        for place in places:
+            setting = Setting(tool.name, method.name, wiring, method.varied, place)
+            if before is not None and method.varied == "steps":
                 foreseen = before.wall * place / before.setting.place
                 if foreseen > self.budget:
                     reason = f"not run: {foreseen:.0f} s foreseen, the budget is {self.budget:g} s"
@@ -84,10 +84,10 @@ class Bench:
 
     def tell(self, measured: MeasuredRun) -> None:
         """A line while the benchmark runs."""
-        said = f"{measured.wall:.4f} s, error {measured.error:.2e}"
+        result = f"{measured.wall:.4f} s, error {measured.error:.2e}"
         if measured.status != "done":
-            said = f"{measured.status}: {measured.reason}"
-        self.console.print(f"{measured.setting}: {said}", highlight=False, markup=False)
+            result = f"{measured.status}: {measured.reason}"
+        self.console.print(f"{measured.setting}: {result}", highlight=False, markup=False)
 
 
 def absent(measured: MeasuredRun) -> bool:
@@ -95,8 +95,8 @@ def absent(measured: MeasuredRun) -> bool:
 
 
 def starts(method: Method, place: float) -> bool:
-    """Whether a method has any use for a place of its ladder."""
-    return method.ladder == "steps" or place <= method.loosest
+    """Whether a method makes sense at a number of steps or at a tolerance."""
+    return method.varied == "steps" or place <= method.loosest
 
 
 def main(
@@ -113,7 +113,7 @@ def main(
         list[str] | None, typer.Option(help="TOOL=PATH: a Python of its own for a tool.")
     ] = None,
     library: Annotated[Path, typer.Option(help="Folder of the built FMUs.")] = LIBRARY,
-    output: Annotated[Path, typer.Option(help="Folder for the file and the picture.")] = (
+    output: Annotated[Path, typer.Option(help="Folder for the file and the plot.")] = (
         Path("results") / "peers"
     ),
 ) -> None:
@@ -123,7 +123,7 @@ def main(
     for name in [*names, *pythons]:
         if name not in TOOLS:
             raise typer.BadParameter(f"no tool {name!r}; there are {', '.join(TOOLS)}")
-    ladders = {
+    values = {
         "steps": [float(text) for text in steps.split(",")],
         "tolerance": [float(text) for text in tolerances.split(",")],
     }
@@ -134,10 +134,10 @@ def main(
             for wiring in method.wirings:
                 if runs and runs[-1].setting.tool == tool.name and absent(runs[-1]):
                     break
-                ladder = [p for p in ladders[method.ladder] if starts(method, p)]
-                runs += bench.climb(tool, method, wiring, ladder, pythons.get(tool.name, ""))
+                places = [p for p in values[method.varied] if starts(method, p)]
+                runs += bench.curve(tool, method, wiring, places, pythons.get(tool.name, ""))
     output.mkdir(parents=True, exist_ok=True)
-    bench.console.print(rung_table(f"{scenario}, {cycles:g} cycles", runs))
+    bench.console.print(run_table(f"{scenario}, {cycles:g} cycles", runs))
     bench.console.print(cost_table(runs))
     write(scenario, runs, output / f"{scenario}.csv")
     draw(scenario, runs, output / f"{scenario}.svg")

@@ -17,7 +17,7 @@ TARGET = 1e-3
 FINE = 2000
 """Points per cycle at which a spline through the compared points is searched for peaks."""
 RESOLVED = 0.5
-"""Error above which a run says nothing of an order."""
+"""Error above which a run is too coarse to give an order."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Cost:
 def judge(
     measured: MeasuredRun, case: Case, reference: Reference, before: MeasuredRun | None
 ) -> None:
-    """Fill in the figures of a run that is done. What ran to infinity has stopped."""
+    """Fill in the figures of a run that is done, or mark it as diverged."""
     times, rows = thinned(measured.times, np.asarray(measured.rows), case)
     if not len(rows) or not np.isfinite(rows).all() or np.abs(rows).max() > 1e6:
         measured.status, measured.reason = "diverged", "values left all bounds"
@@ -56,7 +56,7 @@ def judge(
 
 
 def thinned(times: Sequence[float], rows: np.ndarray, case: Case) -> tuple[list[float], np.ndarray]:
-    """Of a tool that chose its own points those nearest to the points of comparison."""
+    """Points nearest to the points of comparison, where a tool chose more points of its own."""
     wanted = case.count // case.every
     if len(times) <= wanted:
         return list(times), rows

@@ -1,4 +1,4 @@
-"""One setting of one tool, run in a process of its own within a budget, and what came of it."""
+"""One setting of one tool, run in a process of its own within a budget, and its result."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ LOADING = 40.0
 
 @dataclass(frozen=True)
 class Setting:
-    """A tool's method with a wiring at one place of its ladder: steps per cycle, or tolerance."""
+    """A tool's method with a wiring at one `place` of what is varied: `steps` or `tolerance`."""
 
     tool: str
     method: str
     wiring: str
-    ladder: str
+    varied: str
     place: float
 
     @property
@@ -35,14 +35,14 @@ class Setting:
         return self.tool, self.method, self.wiring
 
     def __str__(self) -> str:
-        what = f"{self.place:g} per cycle" if self.ladder == "steps" else f"rtol {self.place:g}"
+        what = f"{self.place:g} per cycle" if self.varied == "steps" else f"rtol {self.place:g}"
         return f"{self.tool}, {self.method}, {self.wiring}, {what}"
 
 
 @dataclass
 class MeasuredRun:
-    """What a setting cost and gave. `status`: done, stopped (the tool said so), crashed,
-    over budget, not installed; `reason` says more. Figures are filled in by `figures`."""
+    """Cost and result of a setting. `status`: done, stopped (by an error of the tool), crashed,
+    over budget, not installed; `reason` has the details. Figures are filled in by `figures`."""
 
     setting: Setting
     status: str
@@ -60,7 +60,7 @@ class MeasuredRun:
 
 
 def run(case: Case, setting: Setting, budget: float, repeats: int, python: str = "") -> MeasuredRun:
-    """The run of a setting; a process that dies or takes too long is a result too."""
+    """The run of a setting; a process that crashes or takes too long is a result too."""
     home = Path(__file__).resolve().parent.parent
     before = os.environ.get("PYTHONPATH", "")
     path = os.pathsep.join([str(home), *([before] if before else [])])
@@ -69,9 +69,9 @@ def run(case: Case, setting: Setting, budget: float, repeats: int, python: str =
         case.write(given)
         command = [python or sys.executable, "-m", "peers.child", str(given), setting.tool]
         command += [setting.method, str(repeats), str(result)]
-        with (Path(folder) / "said").open("wb+") as said:
+        with (Path(folder) / "output").open("wb+") as output:
             child = subprocess.Popen(
-                command, stdout=said, stderr=said, start_new_session=True,
+                command, stdout=output, stderr=output, start_new_session=True,
                 env={**os.environ, "PYTHONPATH": path, "TMPDIR": folder},
             )  # fmt: skip
             try:
@@ -81,16 +81,16 @@ def run(case: Case, setting: Setting, budget: float, repeats: int, python: str =
                 child.wait()
                 return MeasuredRun(setting, "over budget", f"killed; the budget is {budget:g} s")
             if not result.exists():
-                said.seek(0)
-                return MeasuredRun(setting, "crashed", _symptom(code, said.read()))
+                output.seek(0)
+                return MeasuredRun(setting, "crashed", _symptom(code, output.read()))
         found: dict[str, Any] = json.loads(result.read_text(encoding="utf-8"))
     return MeasuredRun(setting, **found)
 
 
-def _symptom(code: int, said: bytes) -> str:
-    """How a process ended that left no result, and its last words."""
-    lines = said.decode(errors="replace").strip().splitlines()
-    last = lines[-1][:160] if lines else "nothing said"
+def _symptom(code: int, output: bytes) -> str:
+    """How a process without a result ended, and its last line of output."""
+    lines = output.decode(errors="replace").strip().splitlines()
+    last = lines[-1][:160] if lines else "no output"
     if code < 0:
         return f"{signal.Signals(-code).name}: {last}"
     return f"exit code {code}: {last}"

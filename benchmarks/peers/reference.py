@@ -1,4 +1,4 @@
-"""The scenario as one ODE, at any times: what all tools are held against."""
+"""The scenario as one ODE, at any times: the reference of all tools."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Rows = NDArray[np.float64]
 
 
 class Reference:
-    """Motion of the monolith, DOP853 at 1e-10, solved anew for every set of times asked for.
+    """Motion of the monolith, DOP853 at 1e-10, solved anew for every set of times.
 
     Some tools round their steps, so that their points lie beside those of the scenario; they
     are compared at the times that they have really stepped to.
@@ -36,6 +36,6 @@ class Reference:
             outcome = replay(self._single, [self.plan.grid.start, *times])
             if outcome.failure is not None:
                 raise outcome.failure
-            told = as_recorded(outcome, self.plan)
-            self._known[key] = np.column_stack([told.series(name)[1:] for name in self.names])
+            exact = as_recorded(outcome, self.plan)
+            self._known[key] = np.column_stack([exact.series(name)[1:] for name in self.names])
         return self._known[key]

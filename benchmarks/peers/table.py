@@ -1,4 +1,4 @@
-"""Rungs as tables for the eye and a file for spreadsheets."""
+"""Runs as tables on the terminal and a CSV file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ OURS: Curve = ("ours", "gauss-seidel", "ports")
 
 
 def curves(runs: Sequence[MeasuredRun]) -> dict[Curve, list[MeasuredRun]]:
-    """Rungs of each tool, method and wiring, coarse to fine."""
+    """Runs of each tool, method and wiring, coarse to fine."""
     found: dict[Curve, list[MeasuredRun]] = {}
     for measured in runs:
         found.setdefault(measured.setting.curve, []).append(measured)
@@ -28,8 +28,8 @@ def costs(runs: Sequence[MeasuredRun]) -> dict[Curve, Cost]:
     return {curve: cost(line) for curve, line in curves(runs).items()}
 
 
-def rung_table(title: str, runs: Sequence[MeasuredRun]) -> Table:
-    """Every run, those too that did not come to an end."""
+def run_table(title: str, runs: Sequence[MeasuredRun]) -> Table:
+    """Every run, also those that did not reach their end."""
     made = Table(title=title, title_justify="left")
     for label in ("tool", "version", "method", "wiring", "steps/cycle or rtol", "error", "order",
                   "wall s", "doStep calls", "stroke deg", ""):  # fmt: skip
@@ -51,7 +51,7 @@ RIGHT = {"steps/cycle or rtol", "error", "order", "wall s", "doStep calls", "str
 
 
 def cost_table(runs: Sequence[MeasuredRun]) -> Table:
-    """Time to the target of each curve, and how many times ours."""
+    """Time to the target of each curve, also as a multiple of ours."""
     found = costs(runs)
     own = found.get(OURS)
     made = Table(title=f"time to an error of {TARGET:g}; ~ extrapolated", title_justify="left")
@@ -64,7 +64,7 @@ def cost_table(runs: Sequence[MeasuredRun]) -> Table:
 
 
 def ratio(one: Cost, own: Cost | None) -> str:
-    """A time over ours, of the same run of the benchmark."""
+    """A time divided by ours, both from the same run of the benchmark."""
     if own is None or not (isfinite(one.seconds) and isfinite(own.seconds)):
         return ""
     return f"{'' if one.sure and own.sure else '~ '}{one.seconds / own.seconds:.3g}"
@@ -83,7 +83,7 @@ def write(scenario: str, runs: Sequence[MeasuredRun], path: Path) -> None:
         )  # fmt: skip
         for r in runs:
             s, reached = r.setting, found[r.setting.curve]
-            by_steps = s.ladder == "steps"
+            by_steps = s.varied == "steps"
             writer.writerow(
                 [scenario, s.tool, r.version, s.method, s.wiring, s.place if by_steps else "",
                  "" if by_steps else s.place, r.status, r.reason, r.error, r.order, r.wall, r.calls,

@@ -1,4 +1,4 @@
-"""From a scenario to a case: what the orchestrator has checked, nothing written twice."""
+"""From a scenario to a case, by the plan that the orchestrator has checked."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ WIRINGS = {"values": "held", "ports": "curvature"}
 
 MOTIONS = ("displacement", "flap_angle")
 POINTS = 20
-"""Points per cycle at which runs are compared: every ladder entry is a multiple."""
+"""Points per cycle at which runs are compared: every number of steps is a multiple."""
 
 FLOWS = {"value": "velocity", "torque": "flap_rate"}
-"""What makes a power of the first member of a port that hands over an effort."""
+"""Flow that makes a power with the first member of a port that carries an effort."""
 
 
 def plan_of(
@@ -86,7 +86,7 @@ def _component(plan: Plan, name: str) -> Component:
     """Start values as the scenario sets them, held inputs among them.
 
     Choices that differ from the FMU's own start are built into a variant of the FMU: half of
-    the tools cannot set an enumeration, some without a word.
+    the tools cannot set an enumeration, some without an error.
     """
     known = plan.interfaces[name]
     path = known.path.resolve()

@@ -1,6 +1,6 @@
-"""Parts without Python: from the same physics source to object code behind a C layer.
+"""Parts without Python: from the same physics source to C, and from there to a shared library.
 
-`mathematics` and `twin` give a physics module that numba compiles, `code` its object code,
-`table` and `layer.c` the FMI 2 functions around it, `link` the shared libraries and `package`
-the FMU. Needs the packages of the extra `native`, to build only; nothing else imports this.
+`translate` makes C of a physics module, `semantics.h` has what Python does where C does otherwise,
+`table` and `layer.c` the FMI 2 functions around it, `link` the shared libraries, `package` the FMU
+and `reference` the right-hand side of the monolith. Nothing else imports this.
 """

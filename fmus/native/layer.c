@@ -1,13 +1,13 @@
 /*
 FMI 2.0 for co-simulation around one part.
 
-table.h says what the part has: its variables in the order of their value references (inputs,
-parameters, outputs), the words for the causes of failures, and how large the records are.
-The three functions of the part come as object code (code.py). This file does what
-fmus/slave.py does for the same part with Python in it, call by call and word by word.
+table.h says what the part has: its header, its variables in the order of their value references
+(inputs, parameters, outputs) and how large the records are. The three functions of the part are
+translated from its physics. This file does what fmus/slave.py does for the same part with Python
+in it, call by call and word by word.
 
-A unit is one block of memory and nothing is shared between units. All that changes in a run
-is the `Core`, plain numbers, so an FMU state is a copy of it.
+An instance is one block of memory and nothing is shared between instances. All that changes in a
+run is the `Core`, plain numbers, so an FMU state is a copy of it.
 */
 #include <math.h>
 #include <stddef.h>
@@ -15,22 +15,16 @@ is the `Core`, plain numbers, so an FMU state is a copy of it.
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi2Functions.h"
+#include "fmi2.h"
 #include "table.h"
 
 #define VARIABLES (INPUTS + PARAMETERS + OUTPUTS)
 #define LONGEST 512
 
-int part_initial(const double *params, const double *input, double time, double *state);
-int part_advance(const double *params, const double *state, const double *input, double time,
-                 double step, double *after);
-int part_observe(const double *params, const double *state, const double *input, double time,
-                 double *output);
-
 typedef struct {
     double values[VARIABLES];
-    double params[PARAMETERS];
-    double state[STATES];
+    Params params;
+    State state;
     double time;
     int tuned, begun, running;  /* parameters taken over; a state to step from; in step mode */
 } Core;
@@ -45,39 +39,33 @@ typedef struct {
     Core core;
     int stale;        /* the outputs do not belong to state and inputs */
     double reached;   /* end of the last step that went well */
-    int logging;
+    int logging;      /* whether anything is to be logged */
     int errors;       /* whether the category of errors is wanted */
     const fmi2CallbackFunctions *host;
     char name[];
-} Unit;
+} Instance;
 
 /* ---- messages ---- */
 
-static void say(Unit *unit, fmi2Status status, const char *words)
+static void say(Instance *self, fmi2Status status, const char *words)
 {
-    if (unit->logging && unit->errors && unit->host->logger)
-        unit->host->logger(unit->host->componentEnvironment, unit->name, status, "logStatusError",
+    if (self->logging && self->errors && self->host->logger)
+        self->host->logger(self->host->componentEnvironment, self->name, status, "logStatusError",
                            words);
 }
 
-static void report(Unit *unit, const char *call, const char *cause)
+static void report(Instance *self, const char *call, const char *cause)
 {
-    char words[LONGEST];
-    snprintf(words, sizeof words, "%s: %s at t = %g s: %s", unit->name, call, unit->core.time,
+    char words[2 * LONGEST];
+    snprintf(words, sizeof words, "%s: %s at t = %g s: %s", self->name, call, self->core.time,
              cause);
-    say(unit, fmi2Error, words);
+    say(self, fmi2Error, words);
 }
 
-static fmi2Status refused(Unit *unit, const char *words)
+static fmi2Status refused(Instance *self, const char *words)
 {
-    say(unit, fmi2Error, words);
+    say(self, fmi2Error, words);
     return fmi2Error;
-}
-
-static const char *cause_of(int number)
-{
-    int known = number > 0 && number < (int)(sizeof causes / sizeof *causes);
-    return known ? causes[number] : "unknown cause";
 }
 
 /* A number as Python writes it where it is none. */
@@ -88,23 +76,61 @@ static const char *special(double value)
     return value > 0 ? "inf" : "-inf";
 }
 
-/* ---- the part ---- */
+/* ---- the part: each returns the cause of its failure, or NULL ---- */
 
-static const double *inputs(const Unit *unit) { return unit->core.values; }
-
-static void start(Unit *unit)
+static Input input_of(const Core *core)
 {
-    memset(&unit->core, 0, sizeof unit->core);
+    Input input;
+    memset(&input, 0, sizeof input);
+    memcpy(&input, core->values, INPUTS * sizeof(double));
+    return input;
+}
+
+static const char *initial(const Core *core, State *state)
+{
+    Fault fault;
+    const Input input = input_of(core);
+    if (MARK(&fault))
+        return fault.cause;
+    *state = PART_INITIAL(&fault, &core->params, &input, core->time);
+    return NULL;
+}
+
+static const char *advance(const Core *core, double time, double step, State *after)
+{
+    Fault fault;
+    const Input input = input_of(core);
+    if (MARK(&fault))
+        return fault.cause;
+    *after = PART_ADVANCE(&fault, &core->params, &core->state, &input, time, step);
+    return NULL;
+}
+
+static const char *outputs(const Core *core, Output *output)
+{
+    Fault fault;
+    const Input input = input_of(core);
+    if (MARK(&fault))
+        return fault.cause;
+    *output = PART_OBSERVE(&fault, &core->params, &core->state, &input, core->time);
+    return NULL;
+}
+
+/* ---- what an instance does with it ---- */
+
+static void start(Instance *self)
+{
+    memset(&self->core, 0, sizeof self->core);
     for (int k = 0; k < VARIABLES; k++)
-        unit->core.values[k] = variables[k].start;
-    unit->stale = 1;
-    unit->reached = NAN;
+        self->core.values[k] = variables[k].start;
+    self->stale = 1;
+    self->reached = NAN;
 }
 
 /* Parameters as they are now, within their bounds; `cause` says which is not. */
-static int tuned(Unit *unit, char *cause)
+static int tuned(Instance *self, char *cause)
 {
-    const double *values = unit->core.values + INPUTS;
+    const double *values = self->core.values + INPUTS;
     for (int k = 0; k < PARAMETERS; k++) {
         const Variable *v = &variables[INPUTS + k];
         if (isfinite(values[k]) && values[k] >= v->least && values[k] <= v->most)
@@ -116,65 +142,64 @@ static int tuned(Unit *unit, char *cause)
                      v->bounds);
         return 0;
     }
-    memcpy(unit->core.params, values, sizeof unit->core.params);
-    unit->core.tuned = 1;
+    memcpy(&self->core.params, values, sizeof self->core.params);
+    self->core.tuned = 1;
     return 1;
 }
 
-static int initialised(Unit *unit, char *cause)
+static int initialised(Instance *self, char *cause)
 {
-    double state[STATES];
-    if (!tuned(unit, cause))
+    State state;
+    if (!tuned(self, cause))
         return 0;
-    int number = part_initial(unit->core.params, inputs(unit), unit->core.time, state);
-    if (number) {
-        snprintf(cause, LONGEST, "%s", cause_of(number));
+    const char *words = initial(&self->core, &state);
+    if (words) {
+        snprintf(cause, LONGEST, "%s", words);
         return 0;
     }
-    memcpy(unit->core.state, state, sizeof state);
-    unit->core.begun = 1;
+    self->core.state = state;
+    self->core.begun = 1;
     return 1;
 }
 
-static int refreshed(Unit *unit, char *cause)
+static int refreshed(Instance *self, char *cause)
 {
-    double output[OUTPUTS];
-    int number = part_observe(unit->core.params, unit->core.state, inputs(unit), unit->core.time,
-                              output);
-    if (number) {
-        snprintf(cause, LONGEST, "%s", cause_of(number));
+    Output output;
+    const char *words = outputs(&self->core, &output);
+    if (words) {
+        snprintf(cause, LONGEST, "%s", words);
         return 0;
     }
-    memcpy(unit->core.values + INPUTS + PARAMETERS, output, sizeof output);
-    unit->stale = 0;
+    memcpy(self->core.values + INPUTS + PARAMETERS, &output, sizeof output);
+    self->stale = 0;
     return 1;
 }
 
 /* Bring the outputs up to date; a fault reads as NaN. */
-static void observe(Unit *unit)
+static void observe(Instance *self)
 {
     char cause[LONGEST];
-    if ((unit->core.running || initialised(unit, cause)) && refreshed(unit, cause))
+    if ((self->core.running || initialised(self, cause)) && refreshed(self, cause))
         return;
-    report(unit, "output", cause);
+    report(self, "output", cause);
     for (int k = INPUTS + PARAMETERS; k < VARIABLES; k++)
-        unit->core.values[k] = NAN;
+        self->core.values[k] = NAN;
 }
 
 /* Take over parameters set in mid-run; a bad one is refused and the old ones stay. */
-static void retune(Unit *unit)
+static void retune(Instance *self)
 {
     char cause[LONGEST];
-    if (tuned(unit, cause))
+    if (tuned(self, cause))
         return;
-    memcpy(unit->core.values + INPUTS, unit->core.params, sizeof unit->core.params);
-    report(unit, "parameter", cause);
+    memcpy(self->core.values + INPUTS, &self->core.params, sizeof self->core.params);
+    report(self, "parameter", cause);
 }
 
 /* Whether all inputs are numbers, and small enough to add. */
-static int sound(const Unit *unit, char *cause)
+static int sound(const Instance *self, char *cause)
 {
-    const double *values = inputs(unit);
+    const double *values = self->core.values;
     double sum = 0.0;
     for (int k = 0; k < INPUTS; k++)
         sum += values[k];
@@ -190,15 +215,15 @@ static int sound(const Unit *unit, char *cause)
 }
 
 /* Largest of some value references, or -1; refused if it is none of a variable. */
-static int known(Unit *unit, const fmi2ValueReference vr[], size_t count, long *largest)
+static int known(Instance *self, const fmi2ValueReference vr[], size_t count, long *largest)
 {
     *largest = -1;
     for (size_t k = 0; k < count; k++) {
         if (vr[k] >= VARIABLES) {
             char words[LONGEST];
-            snprintf(words, sizeof words, "%s: no variable has the value reference %u", unit->name,
+            snprintf(words, sizeof words, "%s: no variable has the value reference %u", self->name,
                      vr[k]);
-            say(unit, fmi2Error, words);
+            say(self, fmi2Error, words);
             return 0;
         }
         if ((long)vr[k] > *largest)
@@ -207,20 +232,20 @@ static int known(Unit *unit, const fmi2ValueReference vr[], size_t count, long *
     return 1;
 }
 
-static void changed(Unit *unit, long largest)
+static void changed(Instance *self, long largest)
 {
-    unit->stale = 1;
-    if (unit->core.running && largest >= INPUTS)
-        retune(unit);
+    self->stale = 1;
+    if (self->core.running && largest >= INPUTS)
+        retune(self);
 }
 
 /* ---- FMI: creation, messages ---- */
 
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+FMI2_EXPORT const char *FMI2(fmi2GetTypesPlatform)(void) { return fmi2TypesPlatform; }
 
-const char *fmi2GetVersion(void) { return fmi2Version; }
+FMI2_EXPORT const char *FMI2(fmi2GetVersion)(void) { return fmi2Version; }
 
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid,
+FMI2_EXPORT fmi2Component FMI2(fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2String guid,
                               fmi2String resources, const fmi2CallbackFunctions *host,
                               fmi2Boolean visible, fmi2Boolean logging)
 {
@@ -228,169 +253,165 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid,
     if (!name || !guid || !host)
         return NULL;
     size_t length = strlen(name) + 1;
-    Unit *unit = calloc(1, sizeof *unit + length);
-    if (!unit)
+    Instance *self = calloc(1, sizeof *self + length);
+    if (!self)
         return NULL;
-    unit->host = host;
-    unit->logging = logging;
-    unit->errors = 1;
-    memcpy(unit->name, name, length);
-    for (char *c = unit->name; *c; c++)
+    self->host = host;
+    self->logging = logging;
+    self->errors = 1;
+    memcpy(self->name, name, length);
+    for (char *c = self->name; *c; c++)
         if (*c == '%')
             *c = '_'; /* hosts pass messages to printf */
-    start(unit);
+    start(self);
     if (type == fmi2CoSimulation && strcmp(guid, GUID) == 0)
-        return unit;
-    say(unit, fmi2Error,
+        return self;
+    say(self, fmi2Error,
         type == fmi2CoSimulation ? "the GUID is not that of this library: unpack the FMU again"
                                  : "this part is for co-simulation only");
-    free(unit);
+    free(self);
     return NULL;
 }
 
-void fmi2FreeInstance(fmi2Component c) { free(c); }
+FMI2_EXPORT void FMI2(fmi2FreeInstance)(fmi2Component c) { free(c); }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean logging, size_t count,
+FMI2_EXPORT fmi2Status FMI2(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean logging, size_t count,
                                const fmi2String categories[])
 {
-    Unit *unit = c;
-    unit->logging = logging;
-    unit->errors = count == 0;
+    Instance *self = c;
+    self->logging = logging;
+    self->errors = count == 0;
     for (size_t k = 0; k < count; k++)
         if (categories[k] && strcmp(categories[k], "logStatusError") == 0)
-            unit->errors = 1;
+            self->errors = 1;
     return fmi2OK;
 }
 
 /* ---- FMI: life ---- */
 
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean with_tolerance, fmi2Real tolerance,
+FMI2_EXPORT fmi2Status FMI2(fmi2SetupExperiment)(fmi2Component c, fmi2Boolean with_tolerance, fmi2Real tolerance,
                                fmi2Real time, fmi2Boolean with_stop, fmi2Real stop)
 {
     (void)with_tolerance, (void)tolerance, (void)with_stop, (void)stop;
-    ((Unit *)c)->core.time = time;
+    ((Instance *)c)->core.time = time;
     return fmi2OK;
 }
 
-fmi2Status fmi2EnterInitializationMode(fmi2Component c)
+FMI2_EXPORT fmi2Status FMI2(fmi2EnterInitializationMode)(fmi2Component c)
 {
     (void)c;
     return fmi2OK;
 }
 
-fmi2Status fmi2ExitInitializationMode(fmi2Component c)
+FMI2_EXPORT fmi2Status FMI2(fmi2ExitInitializationMode)(fmi2Component c)
 {
-    Unit *unit = c;
+    Instance *self = c;
     char cause[LONGEST];
-    if (!initialised(unit, cause) || !refreshed(unit, cause)) {
-        report(unit, "initialisation", cause);
+    if (!initialised(self, cause) || !refreshed(self, cause)) {
+        report(self, "initialisation", cause);
         return fmi2Error;
     }
-    unit->core.running = 1;
+    self->core.running = 1;
     return fmi2OK;
 }
 
-fmi2Status fmi2Terminate(fmi2Component c)
+FMI2_EXPORT fmi2Status FMI2(fmi2Terminate)(fmi2Component c)
 {
     (void)c;
     return fmi2OK;
 }
 
-fmi2Status fmi2Reset(fmi2Component c)
+FMI2_EXPORT fmi2Status FMI2(fmi2Reset)(fmi2Component c)
 {
     start(c);
     return fmi2OK;
 }
 
-fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean keep)
+FMI2_EXPORT fmi2Status FMI2(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean keep)
 {
     (void)keep;
-    Unit *unit = c;
-    Core *core = &unit->core;
+    Instance *self = c;
+    Core *core = &self->core;
     char cause[LONGEST];
-    double after[STATES];
-    int well = sound(unit, cause);
-    if (well) {
+    State after;
+    if (sound(self, cause)) {
         core->time = time;
-        int number = -1;
+        const char *words = "the instance is not initialised";
         if (core->begun)
-            number = part_advance(core->params, core->state, inputs(unit), time, step, after);
-        well = number == 0;
-        if (!well)
-            snprintf(cause, LONGEST, "%s",
-                     core->begun ? cause_of(number) : "the unit is not initialised");
+            words = advance(core, time, step, &after);
+        if (!words) {
+            core->state = after;
+            core->time = self->reached = time + step;
+            self->stale = 1;
+            return fmi2OK;
+        }
+        snprintf(cause, LONGEST, "%s", words);
     }
-    if (!well) {
-        report(unit, "step", cause);
-        unit->reached = time;
-        return fmi2Discard;
-    }
-    memcpy(core->state, after, sizeof after);
-    core->time = unit->reached = time + step;
-    unit->stale = 1;
-    return fmi2OK;
+    report(self, "step", cause);
+    self->reached = time;
+    return fmi2Discard;
 }
 
-fmi2Status fmi2CancelStep(fmi2Component c)
+FMI2_EXPORT fmi2Status FMI2(fmi2CancelStep)(fmi2Component c)
 {
     return refused(c, "a step cannot be cancelled: it ends before the call returns");
 }
 
 /* ---- FMI: variables ---- */
 
-fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+FMI2_EXPORT fmi2Status FMI2(fmi2GetReal)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                        fmi2Real value[])
 {
-    Unit *unit = c;
+    Instance *self = c;
     long largest;
-    if (!known(unit, vr, count, &largest))
+    if (!known(self, vr, count, &largest))
         return fmi2Error;
-    if (unit->stale && largest >= INPUTS + PARAMETERS)
-        observe(unit);
+    if (self->stale && largest >= INPUTS + PARAMETERS)
+        observe(self);
     for (size_t k = 0; k < count; k++)
-        value[k] = unit->core.values[vr[k]];
+        value[k] = self->core.values[vr[k]];
     return fmi2OK;
 }
 
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+FMI2_EXPORT fmi2Status FMI2(fmi2SetReal)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                        const fmi2Real value[])
 {
-    Unit *unit = c;
+    Instance *self = c;
     long largest;
-    if (!known(unit, vr, count, &largest))
+    if (!known(self, vr, count, &largest))
         return fmi2Error;
     for (size_t k = 0; k < count; k++)
-        unit->core.values[vr[k]] = value[k];
-    changed(unit, largest);
+        self->core.values[vr[k]] = value[k];
+    changed(self, largest);
     return fmi2OK;
 }
 
-fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+FMI2_EXPORT fmi2Status FMI2(fmi2GetInteger)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                           fmi2Integer value[])
 {
-    Unit *unit = c;
+    Instance *self = c;
     long largest;
-    if (!known(unit, vr, count, &largest))
+    if (!known(self, vr, count, &largest))
         return fmi2Error;
     for (size_t k = 0; k < count; k++) {
-        double number = unit->core.values[vr[k]];
+        double number = self->core.values[vr[k]];
         if (!(fabs(number) <= 2147483647.0))
-            return refused(unit, "the value of this variable is no integer");
+            return refused(self, "the value of this variable is no integer");
         value[k] = (fmi2Integer)number;
     }
     return fmi2OK;
 }
 
-fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+FMI2_EXPORT fmi2Status FMI2(fmi2SetInteger)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                           const fmi2Integer value[])
 {
-    Unit *unit = c;
+    Instance *self = c;
     long largest;
-    if (!known(unit, vr, count, &largest))
+    if (!known(self, vr, count, &largest))
         return fmi2Error;
     for (size_t k = 0; k < count; k++)
-        unit->core.values[vr[k]] = value[k];
-    changed(unit, largest);
+        self->core.values[vr[k]] = value[k];
+    changed(self, largest);
     return fmi2OK;
 }
 
@@ -399,28 +420,28 @@ static fmi2Status none(fmi2Component c, size_t count, const char *words)
     return count ? refused(c, words) : fmi2OK;
 }
 
-fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+FMI2_EXPORT fmi2Status FMI2(fmi2GetBoolean)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                           fmi2Boolean value[])
 {
     (void)vr, (void)value;
     return none(c, count, "this part has no Boolean variables");
 }
 
-fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+FMI2_EXPORT fmi2Status FMI2(fmi2SetBoolean)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                           const fmi2Boolean value[])
 {
     (void)vr, (void)value;
     return none(c, count, "this part has no Boolean variables");
 }
 
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+FMI2_EXPORT fmi2Status FMI2(fmi2GetString)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                          fmi2String value[])
 {
     (void)vr, (void)value;
     return none(c, count, "this part has no String variables");
 }
 
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+FMI2_EXPORT fmi2Status FMI2(fmi2SetString)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                          const fmi2String value[])
 {
     (void)vr, (void)value;
@@ -429,28 +450,28 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 
 /* ---- FMI: states ---- */
 
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
+FMI2_EXPORT fmi2Status FMI2(fmi2GetFMUstate)(fmi2Component c, fmi2FMUstate *state)
 {
-    Unit *unit = c;
+    Instance *self = c;
     if (!*state)
         *state = malloc(sizeof(Core));
     if (!*state)
-        return refused(unit, "no memory for a state");
-    memcpy(*state, &unit->core, sizeof(Core));
+        return refused(self, "no memory for a state");
+    memcpy(*state, &self->core, sizeof(Core));
     return fmi2OK;
 }
 
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
+FMI2_EXPORT fmi2Status FMI2(fmi2SetFMUstate)(fmi2Component c, fmi2FMUstate state)
 {
-    Unit *unit = c;
+    Instance *self = c;
     if (!state)
-        return refused(unit, "there is no state to set");
-    memcpy(&unit->core, state, sizeof(Core));
-    unit->stale = 1;
+        return refused(self, "there is no state to set");
+    memcpy(&self->core, state, sizeof(Core));
+    self->stale = 1;
     return fmi2OK;
 }
 
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
+FMI2_EXPORT fmi2Status FMI2(fmi2FreeFMUstate)(fmi2Component c, fmi2FMUstate *state)
 {
     (void)c;
     if (state) {
@@ -460,14 +481,14 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
     return fmi2OK;
 }
 
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
+FMI2_EXPORT fmi2Status FMI2(fmi2SerializedFMUstateSize)(fmi2Component c, fmi2FMUstate state, size_t *size)
 {
     (void)c, (void)state;
     *size = sizeof(Packed);
     return fmi2OK;
 }
 
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[],
+FMI2_EXPORT fmi2Status FMI2(fmi2SerializeFMUstate)(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[],
                                  size_t size)
 {
     static const char guid[] = GUID;
@@ -479,7 +500,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte b
     return fmi2OK;
 }
 
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
+FMI2_EXPORT fmi2Status FMI2(fmi2DeSerializeFMUstate)(fmi2Component c, const fmi2Byte bytes[], size_t size,
                                    fmi2FMUstate *state)
 {
     if (size != sizeof(Packed) || memcmp(bytes, GUID, sizeof GUID) != 0)
@@ -494,7 +515,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
 
 /* ---- FMI: what the parts do not offer ---- */
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[],
+FMI2_EXPORT fmi2Status FMI2(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
                                         size_t some, const fmi2ValueReference knowns[],
                                         size_t others, const fmi2Real seed[], fmi2Real value[])
 {
@@ -502,7 +523,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     return refused(c, "directional derivatives are not offered: ports carry them as variables");
 }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[],
+FMI2_EXPORT fmi2Status FMI2(fmi2SetRealInputDerivatives)(fmi2Component c, const fmi2ValueReference vr[],
                                        size_t count, const fmi2Integer order[],
                                        const fmi2Real value[])
 {
@@ -510,7 +531,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     return refused(c, "input derivatives are not offered: ports carry them as variables");
 }
 
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[],
+FMI2_EXPORT fmi2Status FMI2(fmi2GetRealOutputDerivatives)(fmi2Component c, const fmi2ValueReference vr[],
                                         size_t count, const fmi2Integer order[],
                                         fmi2Real value[])
 {
@@ -518,33 +539,33 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     return refused(c, "output derivatives are not offered: ports carry them as variables");
 }
 
-fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
+FMI2_EXPORT fmi2Status FMI2(fmi2GetRealStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
 {
     if (kind != fmi2LastSuccessfulTime)
         return refused(c, "the one real status is the last successful time");
-    *value = ((Unit *)c)->reached;
+    *value = ((Instance *)c)->reached;
     return fmi2OK;
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value)
+FMI2_EXPORT fmi2Status FMI2(fmi2GetStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value)
 {
     (void)kind, (void)value;
     return refused(c, "steps are synchronous: there is no pending status");
 }
 
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value)
+FMI2_EXPORT fmi2Status FMI2(fmi2GetIntegerStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value)
 {
     (void)kind, (void)value;
     return refused(c, "there is no integer status");
 }
 
-fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
+FMI2_EXPORT fmi2Status FMI2(fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
 {
     (void)kind, (void)value;
     return refused(c, "a step never terminates the simulation");
 }
 
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value)
+FMI2_EXPORT fmi2Status FMI2(fmi2GetStringStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2String *value)
 {
     (void)kind, (void)value;
     return refused(c, "steps are synchronous: there is no pending status");

@@ -1,34 +1,33 @@
-"""Shared libraries: the object code of a part and the C layer, for one platform or several.
+"""Shared libraries of C sources, for one platform or several.
 
-ziglang brings the C libraries of all platforms, so what it links for Linux runs from glibc
-2.17 on whatever this machine has. Without it, the system's own `cc` links for this machine.
+For this machine the compiler is `CC`, or `cc` where there is one. For others, and without one, it
+is ziglang, which brings the C libraries of all platforms: what it links for Linux runs from glibc
+2.17 on.
 """
 
 from __future__ import annotations
 
 import importlib.util
+import os
+import shlex
 import shutil
 import struct
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .code import Code, emitted
 from .errors import NativeError
 
-LAYER = Path(__file__).with_name("layer.c")
 FLAGS = (
-    "-std=c11",
+    "-std=c99",
     "-O2",
     "-shared",
     "-fPIC",
     "-fvisibility=hidden",
     "-ffp-contract=off",
     "-fno-sanitize=undefined",
-    "-Wall",
-    "-Wextra",
-    "-Werror",
     "-s",
 )
 FAT_MAGIC = 0xCAFEBABE
@@ -38,31 +37,18 @@ ALIGNMENT = 14
 
 
 @dataclass(frozen=True)
-class Slice:
-    """One machine of a platform: its names for LLVM and for zig."""
-
-    triple: str
-    target: str
-
-
-@dataclass(frozen=True)
 class Platform:
-    """A folder of `binaries/` in an FMU, and the machines that its library serves."""
+    """A folder of `binaries/` in an FMU, and the machines that its library serves, as zig names
+    them."""
 
     suffix: str
-    slices: tuple[Slice, ...]
+    targets: tuple[str, ...]
 
 
 PLATFORMS = {
-    "linux64": Platform(".so", (Slice("x86_64-unknown-linux-gnu", "x86_64-linux-gnu.2.17"),)),
-    "win64": Platform(".dll", (Slice("x86_64-w64-windows-gnu", "x86_64-windows-gnu"),)),
-    "darwin64": Platform(
-        ".dylib",
-        (
-            Slice("x86_64-apple-macosx11.0.0", "x86_64-macos"),
-            Slice("arm64-apple-macosx11.0.0", "aarch64-macos"),
-        ),
-    ),
+    "linux64": Platform(".so", ("x86_64-linux-gnu.2.17",)),
+    "win64": Platform(".dll", ("x86_64-windows-gnu",)),
+    "darwin64": Platform(".dylib", ("x86_64-macos", "aarch64-macos")),
 }
 
 
@@ -81,45 +67,50 @@ def checked(names: list[str]) -> list[str]:
     return wanted
 
 
-def libraries(code: Code, table: str, platforms: list[str], identifier: str, into: Path) -> None:
+def compiler(target: str, *, own: bool) -> list[str]:
+    """Command of a C compiler for a target; :class:`NativeError` where there is none.
+
+    A Mac's own compiler serves one of its two machines, so that both are left to ziglang.
+    """
+    given = os.environ.get("CC", "")
+    if own and len(PLATFORMS[own_platform()].targets) == 1:
+        command = shlex.split(given) or ["cc"]
+        if shutil.which(command[0]):
+            return command
+        if given:
+            raise NativeError(f"CC={given!r}: there is no such command; unset CC, or correct it")
+    if importlib.util.find_spec("ziglang") is not None:
+        return [sys.executable, "-m", "ziglang", "cc", "-target", target]
+    way = "install a C compiler (cc), name one in CC, or " if own else ""
+    raise NativeError(f"no C compiler for {target}: {way}pip install 'resilin[native]'")
+
+
+def libraries(sources: Sequence[Path], platforms: list[str], identifier: str, into: Path) -> None:
     """Write `into/PLATFORM/IDENTIFIER.SUFFIX` for each platform."""
     for name in platforms:
         platform = PLATFORMS[name]
         work = into.with_name("work") / name
         parts = []
-        for slice_ in platform.slices:
-            folder = work / slice_.target
+        for target in platform.targets:
+            folder = work / target
             folder.mkdir(parents=True)
-            (folder / "table.h").write_text(table, encoding="utf-8")
-            (folder / "part.o").write_bytes(emitted(code, slice_.triple))
-            target = folder / f"{identifier}{platform.suffix}"
-            _link(folder, target, slice_.target, name == own_platform())
-            parts.append((slice_.target.split("-")[0], target.read_bytes()))
+            library = folder / f"{identifier}{platform.suffix}"
+            compiled(sources, library, compiler(target, own=name == own_platform()))
+            parts.append((target.split("-")[0], library.read_bytes()))
         (into / name).mkdir(parents=True)
         whole = parts[0][1] if len(parts) == 1 else _universal(parts)
         (into / name / f"{identifier}{platform.suffix}").write_bytes(whole)
 
 
-def _link(folder: Path, target: Path, zig: str, own: bool) -> None:
-    """Compile the layer and link it with the object code; a plain name, since it is kept inside."""
-    import fmpy
-
-    headers = Path(fmpy.__file__).parent / "c-code"
-    command = [*_compiler(zig, own), *FLAGS, f"-I{headers}", f"-I{folder}"]
-    command += [str(LAYER), str(folder / "part.o"), "-o", target.name, "-lm"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+def compiled(sources: Sequence[Path], library: Path, command: Sequence[str]) -> None:
+    """Compile sources into a shared library, under plain names: a linker may keep them inside."""
+    folder = sources[0].parent
+    words = [*command, *FLAGS, *(source.name for source in sources), "-o", library.name, "-lm"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=folder)
     if done.returncode != 0:
         told = [line for line in done.stderr.splitlines() if line.strip()]
-        raise NativeError(f"{zig}: linking failed: {' '.join(told[:3])}")
-
-
-def _compiler(zig: str, own: bool) -> list[str]:
-    """Command of a C compiler for a target."""
-    if importlib.util.find_spec("ziglang") is not None:
-        return [sys.executable, "-m", "ziglang", "cc", "-target", zig]
-    if own and shutil.which("cc"):
-        return ["cc"]
-    raise NativeError(f"{zig}: ziglang is not installed; pip install 'resilin[native]'")
+        raise NativeError(f"{shlex.join(command)}: compiling failed: {' '.join(told[:3])}")
+    (folder / library.name).replace(library)
 
 
 def _universal(parts: list[tuple[str, bytes]]) -> bytes:

@@ -1,29 +1,44 @@
-"""A native FMU: the same modelDescription as the Python FMU, and a library a platform."""
+"""A native FMU: the Python FMU's modelDescription, the C sources, and a library a platform."""
 
 from __future__ import annotations
 
 import hashlib
 import zipfile
-from importlib import metadata
 from pathlib import Path
-from xml.etree.ElementTree import indent, tostring
+from xml.etree.ElementTree import SubElement, indent, tostring
 
 from ..model_description import model_description
-from ..part import Part
+from ..part import Part, Variable
 from . import table
-from .code import compiled
 from .link import libraries
+from .translate import unit, words
 
 HERE = Path(__file__).parent
+FIXED = ("layer.c", "fmi2.h", "semantics.h")
+"""Files that are the same in every native FMU."""
 
 
 def marks(platforms: list[str]) -> list[str]:
     """What the digest of a native FMU covers beside the sources of its part."""
-    digest = hashlib.sha256()
-    for path in sorted([*HERE.glob("*.py"), *HERE.glob("*.c")]):
+    digest = hashlib.sha256(words.header().encode())
+    for path in sorted([*HERE.rglob("*.py"), *HERE.glob("*.c"), *HERE.glob("*.h")]):
         digest.update(path.read_bytes())
-    tools = [f"{name} {metadata.version(name)}" for name in ("numba", "llvmlite")]
-    return ["native", digest.hexdigest(), *tools, *platforms]
+    return ["native", digest.hexdigest(), *platforms]
+
+
+def sources(part: Part, guid: str, variables: list[Variable], into: Path) -> list[Path]:
+    """Write all that a host needs to compile the part; returns the files to be compiled."""
+    translation = unit.part(part.physics, part.name)
+    into.mkdir(parents=True)
+    texts = {name: (HERE / name).read_text(encoding="utf-8") for name in FIXED} | {
+        "words.h": words.header(),
+        "table.h": table.header(part, guid, variables, translation),
+        f"{part.name}.h": translation.header,
+        f"{part.name}.c": translation.source,
+    }
+    for name, text in texts.items():
+        (into / name).write_text(text, encoding="utf-8", newline="\n")
+    return [into / "layer.c", into / f"{part.name}.c"]
 
 
 def packed(
@@ -35,22 +50,24 @@ def packed(
     platforms: list[str],
     into: Path,
 ) -> Path:
-    """Compile a part, link it for each platform and pack `into/IDENTIFIER.fmu`."""
+    """Translate a part, compile it for each platform and pack `into/IDENTIFIER.fmu`."""
     variables = part.variables_with(starts)
-    code = compiled(part.physics)
-    header = table.header(part, guid, variables, code.causes)
-    binaries = into / "binaries"
-    libraries(code, header, platforms, identifier, binaries)
-    tool = f"Resilin with numba {metadata.version('numba')}"
+    files = sources(part, guid, variables, into / "sources")
+    libraries(files, platforms, identifier, into / "binaries")
     root = model_description(
-        part, identifier, guid, version, variables, tool=tool, needs_execution_tool=False
+        part, identifier, guid, version, variables, tool="Resilin", needs_execution_tool=False
     )
+    listed = root.find("CoSimulation")
+    assert listed is not None
+    listed = SubElement(listed, "SourceFiles")
+    for file in files:
+        SubElement(listed, "File", name=file.name)
     indent(root)
     path = into / f"{identifier}.fmu"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(
             "modelDescription.xml", tostring(root, encoding="UTF-8", xml_declaration=True)
         )
-        for library in sorted(binaries.rglob("*.*")):
-            archive.write(library, library.relative_to(into).as_posix())
+        for file in sorted([*(into / "sources").iterdir(), *(into / "binaries").rglob("*.*")]):
+            archive.write(file, file.relative_to(into).as_posix())
     return path

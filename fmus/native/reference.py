@@ -3,27 +3,32 @@
     derivative = right_hand_side(composition, amplifier.Input(), inside)
     solve_ivp(derivative, (t0, t1), y0, method="DOP853", rtol=1e-10)
 
-It is the twin of `fmus.monolith.equations.rates`, bit by bit. Compiled once in a process, for all
-compositions: parameters travel as one array.
+It is `fmus.monolith.equations.rates` in C, bit by bit. Compiled once on a machine, for all
+compositions: the library is kept under the user's cache folder by the digest of its sources.
 """
 
 from __future__ import annotations
 
+import ctypes
 import dataclasses
 import functools
-import typing
+import hashlib
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ..amplifier.physics import Input
+from ..generated import cache, keep
 from ..monolith import equations
 from ..monolith.equations import Composition, Vector
-from . import mathematics
-from .twin import Twins
+from . import table
+from .link import FLAGS, PLATFORMS, compiled, compiler, own_platform
+from .package import HERE
+from .translate import unit, words
 
 Array = NDArray[np.float64]
 
@@ -33,21 +38,34 @@ def right_hand_side(
 ) -> Callable[[float, Array], Array]:
     """dy/dt over one smooth piece of the drive; the entries are `equations.FIELDS`.
 
-    A trial state outside the model gives NaN, on which a solver shortens its step.
+    A trial state outside the model gives NaN, on which a solver shortens its step. Raises
+    :class:`NativeError` where there is no C compiler and no library from before.
     """
-    compiled = _compiled()
+    rates = _library().reference_rates
+    rates.restype = ctypes.c_char_p
+    rates.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p]
     constants = np.array([*_flat(composition), *_flat(u), inside])
-    size = len(equations.FIELDS)
+    state, after = np.empty((2, len(equations.FIELDS)))
+    given, read, written = (a.ctypes.data_as(ctypes.c_void_p) for a in (constants, state, after))
 
     def derivative(t: float, y: Array) -> Array:
-        after = np.empty(size)
-        try:
-            compiled(constants, t, y, after)
-        except (ValueError, OverflowError):
+        state[:] = y
+        cause = rates(given, t, read, written)
+        if cause in _OUTSIDE:
+            raise ArithmeticError(f"at t = {t} s: {cause.decode()}")
+        if cause is not None:
             after.fill(np.nan)
-        return after
+        return after.copy()
 
     return derivative
+
+
+_OUTSIDE = {
+    text.encode()
+    for name, text in words.words().items()
+    if name.startswith("ZERO") or name == "OUT_OF_RANGE"
+}
+"""Causes that no state of the model can have: no solver would step around them."""
 
 
 def _flat(record: Any) -> list[float]:
@@ -59,40 +77,36 @@ def _flat(record: Any) -> list[float]:
     return values
 
 
+def sources() -> dict[str, str]:
+    """File name -> text of all that the library is made of."""
+    records = {"Composition": Composition, "Vector": Vector, "Input": Input}
+    translation = unit.translated(equations, "equations", ["rates"], records)
+    return {
+        "reference.c": (HERE / "reference.c").read_text(encoding="utf-8"),
+        "semantics.h": (HERE / "semantics.h").read_text(encoding="utf-8"),
+        "words.h": words.header(),
+        "table.h": "\n".join([*table.records(translation), ""]),
+        "equations.h": translation.header,
+        "equations.c": translation.source,
+    }
+
+
 @functools.cache
-def _compiled() -> Any:
-    """`fill(constants, t, y, after)`: the records made of the array, the rates written out."""
-    twins = Twins(__name__.split(".")[0])
-    names: dict[str, Any] = {"rates": twins.module(equations).rates}
-    places = iter(range(10_000))
-    composition = _made(Composition, "constants", places, twins, names)
-    drive = _made(Input, "constants", places, twins, names)
-    inside = f"constants[{next(places)}]"
-    state = _made(Vector, "y", iter(range(10_000)), twins, names)
-    lines = [
-        "def fill(constants, t, y, after):",
-        f"    now = rates({composition}, {drive}, {inside}, t, {state})",
-        *(f"    after[{k}] = now.{name}" for k, name in enumerate(equations.FIELDS)),
-    ]
-    exec("\n".join(lines), names)
-    return numba.njit(**mathematics.OPTIONS)(names["fill"])
-
-
-def _made(
-    record: type[Any],
-    array: str,
-    places: typing.Iterator[int],
-    twins: Twins,
-    names: dict[str, Any],
-) -> str:
-    """Source of a call that makes a record's twin of the next places of an array."""
-    kinds = typing.get_type_hints(record)
-    name = f"record{len(names)}"
-    names[name] = twins.record(record)
-    given = []
-    for field in dataclasses.fields(record):
-        if kinds[field.name] is float:
-            given.append(f"{array}[{next(places)}]")
-        else:
-            given.append(_made(kinds[field.name], array, places, twins, names))
-    return f"{name}({', '.join(given)})"
+def _library() -> ctypes.CDLL:
+    """The library, from the cache or made now."""
+    texts = sources()
+    digest = hashlib.sha256(" ".join(FLAGS).encode())
+    for name, text in texts.items():
+        digest.update(name.encode() + b"\0" + text.encode() + b"\0")
+    platform = PLATFORMS[own_platform()]
+    place = cache() / f"{digest.hexdigest()[:16]}-equations{platform.suffix}"
+    if place.is_file():
+        return ctypes.CDLL(str(place))
+    with tempfile.TemporaryDirectory(prefix="resilin_build_") as folder:
+        for name, text in texts.items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        files = [Path(folder) / name for name in texts if name.endswith(".c")]
+        library = Path(folder) / place.name
+        compiled(files, library, compiler(platform.targets[0], own=True))
+        kept = keep(place, library.read_bytes())
+        return ctypes.CDLL(str(place if kept else library))

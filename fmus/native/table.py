@@ -1,55 +1,60 @@
-"""The header `table.h` that `layer.c` is compiled with: a part's variables and words."""
+"""The header `table.h` that `layer.c` is compiled with: a part's records, variables and bounds."""
 
 from __future__ import annotations
 
-import dataclasses
-import json
-from typing import Any
-
 from ..part import Part, Variable
+from .translate.text import literal, quoted
+from .translate.unit import ENTRIES, Translation
 
 
-def header(part: Part, guid: str, variables: list[Variable], causes: list[str]) -> str:
-    """C text with the sizes of the records, the variables by value reference, the causes."""
+def header(part: Part, guid: str, variables: list[Variable], translation: Translation) -> str:
+    """C text with the part's functions and records, and its variables by value reference."""
     count = {
         kind: sum(v.causality == kind for v in variables)
         for kind in ("input", "parameter", "output")
     }
-    physics: Any = part.physics
     lines = [
-        f"#define GUID {json.dumps(guid)}",
+        "/* What layer.c has to know of the part; made by the build. */",
+        *records(translation),
+        *(f"#define PART_{e.upper()} {translation.name}_{e}" for e in ENTRIES),
+        "",
+        f"#define GUID {quoted(guid)}",
         f"#define INPUTS {count['input']}",
         f"#define PARAMETERS {count['parameter']}",
         f"#define OUTPUTS {count['output']}",
-        f"#define STATES {len(dataclasses.fields(physics.State))}",
+        "",
         "typedef struct {",
         "    const char *name;",
         "    double start, least, most;",
         "    const char *bounds;",
         "} Variable;",
+        "",
         "static const Variable variables[] = {",
         *(f"    {_row(variable)}," for variable in variables),
         "};",
-        "static const char *const causes[] = {",
-        '    "no cause",',
-        *(f"    {json.dumps(cause)}," for cause in causes),
-        "};",
     ]
     return "\n".join([*lines, ""])
+
+
+def records(translation: Translation) -> list[str]:
+    """The translation's header, and its records under the names that were asked for."""
+    names = translation.names.items()
+    aliases = [f"typedef {made} {name};" for name, made in names if made != name]
+    return [f'#include "{translation.name}.h"', "", *aliases]
 
 
 def _row(variable: Variable) -> str:
     """Initialiser of one variable; the bounds are worded as the Python slave words them."""
     quantity = variable.quantity
     least, most = quantity.least, quantity.most
-    low = "-HUGE_VAL" if least is None else least.hex()
-    high = "HUGE_VAL" if most is None else most.hex()
+    low = "-HUGE_VAL" if least is None else literal(least)
+    high = "HUGE_VAL" if most is None else literal(most)
     words = f"{'-inf' if least is None else least} to {'inf' if most is None else most}"
     fields = (
-        json.dumps(variable.name),
-        variable.start.hex(),
+        quoted(variable.name),
+        literal(variable.start),
         low,
         high,
-        json.dumps(f"{words} {quantity.unit}"),
+        quoted(f"{words} {quantity.unit}"),
     )
     return "{" + ", ".join(fields) + "}"

@@ -12,12 +12,12 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from ..generated import shipped, tuples
+from ..generated import kept, shipped, tuples
 
 HERE = Path(__file__).parent
 MEMBRANE = HERE.parent / "membrane"
 MATERIALS = MEMBRANE / "materials.toml"
-SOURCES = ("film.py", "ritz_solver.py", "surrogate.py", "tables.py", "materials.toml")
+SOURCES = ("film.py", "ritz_solver.py", "surrogate.py", "tables.py")
 NODES = (20, 12)
 CELLS_X = 14
 CELLS_E = 8
@@ -31,6 +31,11 @@ def made(materials: str) -> str:
 
     Lengths in outer radii. Raises `ValueError` as the membrane's tables do.
     """
+    sources = [HERE / "tables.py", *(MEMBRANE / name for name in SOURCES)]
+    return kept("profile-tables.json", sources, materials, _solved)
+
+
+def _solved(materials: str) -> str:
     import numpy as np
 
     from ..membrane.ritz_solver import profile
@@ -59,7 +64,6 @@ def made(materials: str) -> str:
 _TABLES: list[dict[str, Any]] = json.loads(
     shipped(
         HERE / "tables.json",
-        [HERE / "tables.py", *(MEMBRANE / name for name in SOURCES)],
         lambda: made(MATERIALS.read_text(encoding="utf-8")),
     )
 )

@@ -1,7 +1,7 @@
 """The command `resilin`.
 
-Exit codes: 0 done; 1 the run stopped, its records are kept; 2 wrong input, nothing is written;
-130 Ctrl-C, 143 SIGTERM, 129 a closed terminal, records kept.
+Exit codes: 0 done; 1 the run stopped, its rows are kept; 2 wrong input, nothing is written;
+130 Ctrl-C, 143 SIGTERM, 129 a closed terminal, rows kept.
 """
 
 from __future__ import annotations
@@ -70,16 +70,16 @@ def main() -> None:
 
 
 def _shown(message: Warning | str, category: type[Warning], *_: Any) -> None:
-    """A warning as one line on standard error; those for programmers stay out of sight."""
+    """A warning as one line on standard error; those for programmers are not shown."""
     if issubclass(category, RenamedWarning):
         typer.echo(f"resilin: warning: {printable(str(message), most=900)}", err=True)
 
 
 def entry() -> None:
-    """The command of the package: `main`, then out without tearing down the interpreter.
+    """The command of the package: `main`, then the end without tearing down the interpreter.
 
-    PythonFMU's library touches freed memory when the process takes it down; everything of
-    ours is closed and flushed by then.
+    PythonFMU's library touches freed memory when the process unloads it; all of our files are
+    closed and flushed by then.
     """
     code: object = 0
     try:

@@ -1,4 +1,4 @@
-"""`resilin build`: parts to FMUs."""
+"""`resilin build`: parts as FMUs."""
 
 from __future__ import annotations
 

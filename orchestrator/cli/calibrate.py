@@ -1,4 +1,4 @@
-"""`resilin calibrate`: the fits behind the scenarios, redone or looked at."""
+"""`resilin calibrate`: the fits behind the scenarios, repeated or evaluated."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def calibrate(
         Path | None, typer.Option(help="TOML file of fits; the shipped one if not given.")
     ] = None,
     refit: Annotated[
-        bool, typer.Option(help="Fit again; else the shipped values are looked at.")
+        bool, typer.Option(help="Fit again; else the shipped values are evaluated.")
     ] = True,
     profile: Annotated[
         bool, typer.Option(help="Fit at each share of the fits' profiles instead; takes minutes.")
@@ -37,7 +37,7 @@ def calibrate(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Fit parameters to the paper's data again; show errors, sensitivities and certainty.
+    """Fit parameters to the paper's data again; show errors, sensitivities and spreads.
 
     Example: resilin calibrate vehicle vehicle-long-rocker --no-refit --native
     """

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..errors import InputError, ResilinError, printable
+
+if TYPE_CHECKING:
+    from ..studies.precision.method import Method
 
 ScenarioName = Annotated[str, typer.Argument(help="A shipped scenario's name, or a TOML file.")]
 Sets = Annotated[
@@ -27,13 +31,19 @@ Kind = Annotated[
         "--master", help="gauss-seidel, jacobi, extrapolated, iterative or interface-newton."
     ),
 ]
+MethodTexts = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--method", help="Master, or master/laws as jacobi/held; may repeat. All if not given."
+    ),
+]
 Library = Annotated[Path, typer.Option("--fmus", help="Folder of the built parts.")]
 Native = Annotated[
     bool, typer.Option("--native", help="Take the parts from build/native: no Python in them.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts, nothing else.")]
 Html = Annotated[
-    Path | None, typer.Option("--html", help="Write all of it as a page that opens offline.")
+    Path | None, typer.Option("--html", help="Write everything as a page that opens offline.")
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
 Stop = Annotated[str | None, typer.Option(help='End of the run, as "2 s" or "40 cycles".')]
@@ -60,10 +70,22 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
 
 
 def library(fmus: Path, native: bool) -> Path:
-    """Folder in which a scenario's parts are looked up."""
+    """Folder in which a scenario's parts are found."""
     if native and fmus != BUILT:
         raise InputError("--native and --fmus both name the folder of the parts: give one")
     return COMPILED if native else fmus
+
+
+def methods(texts: list[str] | None) -> list[Method] | None:
+    """Methods of `--method`; None, which stands for all, where it is not given."""
+    from ..studies.precision.method import parse_method
+
+    return [parse_method(text) for text in texts or []] or None
+
+
+def shows_progress(quiet: bool, as_json: bool) -> bool:
+    """Whether a command shows its progress: on a terminal, unless output is for scripts."""
+    return sys.stderr.isatty() and not (quiet or as_json)
 
 
 def overrides(
@@ -73,7 +95,7 @@ def overrides(
     step: str | None = None,
     tolerance: float | None = None,
 ) -> dict[str, dict[str, Any]]:
-    """Keys of a scenario that options replace, those alone that were given."""
+    """Keys of a scenario that options replace; only those that were given."""
     sized: Any = step
     if step is not None and step.split()[1:] == ["per", "cycle"] and step.split()[0].isdigit():
         sized = {"per_cycle": int(step.split()[0])}
@@ -90,7 +112,7 @@ def overrides(
 
 @contextmanager
 def reported() -> Iterator[None]:
-    """A user's mistake as lines on standard error and an exit code, never a traceback."""
+    """Show a user's mistake as lines on standard error and an exit code, never a traceback."""
     from ..simulation.interrupt import Interrupted
 
     try:
@@ -107,7 +129,7 @@ def fail(message: str, code: int) -> None:
 
 
 def print_json(content: Any) -> None:
-    """One JSON document on standard output; what is no finite number is null."""
+    """Print one JSON document; a number that is not finite is null."""
     typer.echo(json.dumps(_finite(content), indent=1))
 
 

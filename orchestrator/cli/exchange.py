@@ -1,4 +1,4 @@
-"""What editors and other tools need to know of scenarios: `resilin schema`, `resilin export`."""
+"""`resilin schema`, `resilin export`: scenarios for editors and for other tools."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def export(
     to: Annotated[Path | None, typer.Option(help="SSP archive; SCENARIO.ssp if not given.")] = None,
     also: Annotated[
         list[str] | None,
-        typer.Option(help='Further parameter set, as cold:spring.damping="2 N*s/m"; repeatable.'),
+        typer.Option(help='Further parameter set, as cold:spring.damping="2 N*s/m"; may repeat.'),
     ] = None,
     version: Annotated[str, typer.Option("--ssp", help="Version of SSP, 1.0 or 2.0.")] = "1.0",
     set_: common.Sets = None,
@@ -50,7 +50,7 @@ def export(
         if target.suffix != ".ssp":
             raise OutputError(f"{target}: SSP archives are called *.ssp")
         if version not in VERSIONS:
-            raise InputError(f"--ssp {version}: is not written; there is {', '.join(VERSIONS)}")
+            raise InputError(f"--ssp {version}: is not written; choose {' or '.join(VERSIONS)}")
         options = common.overrides(laws, kind, stop, step)
         library = common.library(fmus, native)
         plan = load(scenario, common.assignments(set_), library, **options)
@@ -64,7 +64,7 @@ def export(
 
 
 def _made(plan: Plan, folder: Path) -> tuple[dict[str, Path], frozenset[str]]:
-    """FMUs built for an archive: recordings, and parts that start with the choices of the scenario.
+    """FMUs built for an archive: recordings, and parts that start with the scenario's choices.
 
     An archive cannot hold a recording as it is, and other tools do not read choices from it.
     """
@@ -75,7 +75,9 @@ def _made(plan: Plan, folder: Path) -> tuple[dict[str, Path], frozenset[str]]:
     try:
         import build_fmus
     except ImportError:
-        raise ScenarioError("nothing can be built for the archive without build_fmus.py") from None
+        raise ScenarioError(
+            "FMUs for the archive cannot be built without build_fmus.py; export from a checkout"
+        ) from None
     files: dict[str, Path] = {}
     built_in: set[str] = set()
     try:
@@ -99,7 +101,7 @@ def _made(plan: Plan, folder: Path) -> tuple[dict[str, Path], frozenset[str]]:
 
 
 def _choices(plan: Plan, name: str) -> dict[str, str]:
-    """What a scenario chooses of a part of ours otherwise than the part itself, by parameter."""
+    """Choices of a scenario that differ from those of our own part, by parameter."""
     interface = plan.interfaces[name]
     found = {}
     for key, value in plan.starts.get(name, {}).items():

@@ -20,9 +20,9 @@ def add_to(app: typer.Typer) -> None:
 
 
 def fit(
-    recording: Annotated[Path, typer.Argument(help="File of what went in and what came out.")],
+    recording: Annotated[Path, typer.Argument(help="File with recorded inputs and outputs.")],
     part: Annotated[
-        list[str], typer.Option(help="Part, FMU file, or with --scenario a component; repeatable.")
+        list[str], typer.Option(help="Part, FMU file, or with --scenario a component; may repeat.")
     ],
     parameters: Annotated[
         list[str],
@@ -31,15 +31,15 @@ def fit(
         ),
     ],
     scenario: Annotated[
-        str | None, typer.Option(help="Scenario in which the parts stand: its wires, start values.")
+        str | None, typer.Option(help="Scenario of the parts: its wires and start values.")
     ] = None,
     scene: Annotated[str | None, typer.Option("--scene", hidden=True)] = None,
     outputs: Annotated[
-        list[str] | None, typer.Option("--output", help="Recorded outputs that count; patterns.")
+        list[str] | None, typer.Option("--output", help="Recorded output that counts, or pattern.")
     ] = None,
     keys: Annotated[
         list[str] | None,
-        typer.Option("--with", help="Keys of a recording in a scenario, as interpolation=linear."),
+        typer.Option("--with", help="Key of a recording, as in a scenario: interpolation=linear."),
     ] = None,
     hold: Annotated[
         list[str] | None, typer.Option(help='Input that was not recorded, as force.value="0 N".')
@@ -48,11 +48,11 @@ def fit(
     step: Annotated[
         str | None, typer.Option(help="Communication step; the rows of the file if not given.")
     ] = None,
-    skip: Annotated[str, typer.Option(help='What does not count at the beginning, as "0.1 s".')] = (
+    skip: Annotated[str, typer.Option(help='First stretch that does not count, as "0.1 s".')] = (
         "0 s"
     ),
     level: Annotated[
-        float, typer.Option(help="Share of fits whose interval is to hold the value.")
+        float, typer.Option(help="Share of fits whose interval is to contain the value.")
     ] = 0.95,
     fmus: common.Library = common.BUILT,
     native: common.Native = False,
@@ -64,7 +64,7 @@ def fit(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Fit parameters of parts to a recording by least squares, with intervals and a picture.
+    """Fit parameters of parts to a recording by least squares, with intervals and a plot.
 
     Example: resilin fit bench.csv --part payload --parameters mass --native
     """
@@ -85,7 +85,7 @@ def fit(
         if html is not None:
             prepare(html)
         if target.suffix not in {".png", ".svg", ".pdf"}:
-            raise InputError(f"{target}: pictures are .png, .svg or .pdf files")
+            raise InputError(f"{target}: plots are .png, .svg or .pdf files")
         if not 0.0 < level < 1.0:
             raise InputError(f"--level {level:g}: has to be between 0 and 1")
         try:

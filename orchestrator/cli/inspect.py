@@ -1,4 +1,4 @@
-"""`resilin inspect`, `resilin scenarios`: what there is, before anything runs."""
+"""`resilin inspect`, `resilin scenarios`: what a scenario is made of; which ones there are."""
 
 from __future__ import annotations
 
@@ -28,17 +28,15 @@ def inspect(
     kind: common.Kind = None,
     fmus: common.Library = common.BUILT,
     diagram: Annotated[
-        Path | None, typer.Option(help="Draw units and wires into an .svg or .png file.")
+        Path | None, typer.Option(help="Draw components and wires into an .svg or .png file.")
     ] = None,
     stability: Annotated[
         bool,
-        typer.Option(
-            "--stability", help="Load the units; warn of a coupling unstable at its step."
-        ),
+        typer.Option("--stability", help="Load the FMUs; warn of a coupling unstable at its step."),
     ] = False,
     json: common.Json = False,
 ) -> None:
-    """Check a scenario and show what it is made of; nothing is loaded or stepped.
+    """Check a scenario and show what it is made of; no FMU is loaded, except for --stability.
 
     Example: resilin inspect flapping-full-wings --diagram vehicle.svg
     """
@@ -51,7 +49,7 @@ def inspect(
             from ..scenario.diagram.draw import draw
 
             draw(plan, diagram)
-        told = _stability(plan) if stability else ""
+        verdict = _stability(plan) if stability else ""
     if json:
         from ..scenario.inspection import facts
 
@@ -63,14 +61,14 @@ def inspect(
 
     for table in tables(plan):
         Console().print(table)
-    if told:
-        typer.echo(told)
+    if verdict:
+        typer.echo(verdict)
     if diagram is not None:
         typer.echo(f"diagram: {diagram}")
 
 
 def _stability(plan: Plan) -> str:
-    """What the linear step map says of the scenario's master and step, the wire named."""
+    """Prediction of the linear step map for the scenario's master and step, with the wire."""
     from ..simulation.linear.step_map import MAPPED, SLACK, quiet, step_map
 
     kind = plan.scenario.master.kind

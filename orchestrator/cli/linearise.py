@@ -22,7 +22,7 @@ def add_to(app: typer.Typer) -> None:
 def linearise(
     scenario: common.ScenarioName,
     input_: Annotated[
-        list[str] | None, typer.Option("--input", help="Held input to nudge; all if not given.")
+        list[str] | None, typer.Option("--input", help="Held input to perturb; all if not given.")
     ] = None,
     output: Annotated[
         list[str] | None, typer.Option(help="Recorded variable; all if not given. May repeat.")
@@ -42,7 +42,7 @@ def linearise(
         Path | None,
         typer.Option("--beside", help="Draw a sweep over frequency beside it, as points."),
     ] = None,
-    drive: Annotated[str, typer.Option(help="Amplitude of what drove that sweep, as 960 V.")] = "1",
+    drive: Annotated[str, typer.Option(help="Amplitude of that sweep's drive, as 960 V.")] = "1",
     fmus: common.Library = common.BUILT,
     json: common.Json = False,
 ) -> None:

@@ -27,7 +27,7 @@ def paper(
         typer.Argument(help="figure3, figure7, table1, ..., or hovering, ...; all if not given."),
     ] = None,
     output: Annotated[
-        Path, typer.Option(help="HTML page; pictures and finished runs go beside it.")
+        Path, typer.Option(help="HTML page; plots and finished runs go beside it.")
     ] = TARGET,
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes; as many as processors if not given.")
@@ -41,9 +41,9 @@ def paper(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Reproduce the paper: run what its figures and tables need, write one page that says how near.
+    """Reproduce the paper: run its figures and tables; write one page with the errors of each.
 
-    Finished runs are kept beside the page and not repeated while scenario, FMUs and version stay.
+    Finished runs are kept beside the page, and repeated only if scenario, FMUs or version change.
 
     Example: resilin paper figure11 equation6
     """
@@ -51,7 +51,7 @@ def paper(
     from ..simulation.interrupt import Interrupt
     from ..studies.paper.cached_runs import CachedRuns
     from ..studies.paper.page import facts, page
-    from ..studies.paper.page import pictures as drawn
+    from ..studies.paper.page import pictures as draw
     from ..studies.paper.reproduction import chosen, reproduced
     from ..studies.run_cache import RunCache
 
@@ -69,10 +69,10 @@ def paper(
         with CachedRuns(parts, runs, workers, interrupt.check, tell) as cached_runs:
             found = reproduced(names, cached_runs)
         written = write(page(found, parts), output)
-        files = drawn(found, output.parent) if pictures else []
+        drawn = draw(found, output.parent) if pictures else []
     if json:
-        told = {"page": str(written), "pictures": [str(path) for path in files]}
-        common.print_json(told | facts(found))
+        files = {"page": str(written), "pictures": [str(path) for path in drawn]}
+        common.print_json(files | facts(found))
     elif not quiet:
         _report(found)
         typer.echo(f"{found.ran} runs, {found.wall_time:.1f} s\npage:    {written}")
@@ -83,7 +83,7 @@ def paper(
 
 
 def _library(fmus: Path, native: bool | None) -> Path:
-    """Where the parts are: those without Python if they are all there and nothing else is said."""
+    """Folder of the parts: build/native if all are there and no option names another."""
     if native is None and fmus == common.BUILT:
         wanted = {"aero", "amplifier", "linkage", "membrane", "payload", "profile", "spring"}
         native = wanted <= {path.stem for path in common.COMPILED.glob("*.fmu")}

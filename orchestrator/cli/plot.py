@@ -1,4 +1,4 @@
-"""`resilin plot`: a result file as a picture."""
+"""`resilin plot`: a plot of a result file."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def plot(
     ] = None,
     cycles: Annotated[float, typer.Option(help="How many of the last cycles; 0 for all.")] = 5.0,
     output: Annotated[
-        Path | None, typer.Option(help="Picture; RESULT.png if not given. Also .svg, .pdf.")
+        Path | None, typer.Option(help="Plot; RESULT.png if not given. Also .svg, .pdf.")
     ] = None,
 ) -> None:
-    """Draw what a result holds over its last cycles, one panel for each unit of measure.
+    """Draw a result over its last cycles: the scenario's panels, or the variables that match.
 
     Example: resilin plot results/flapping-full-wings.nc --variable "linkage.*_energy"
     """
@@ -35,4 +35,4 @@ def plot(
     target = output or result.with_suffix(".png")
     with common.reported(), opened(result) as data:
         drawn = draw(data, target, variables, cycles)
-    typer.echo(f"picture: {drawn}")
+    typer.echo(f"plot: {drawn}")

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from . import common
+from .study_files import StudyFiles
 
 if TYPE_CHECKING:
-    from ..studies.precision.study import MeasuredRun
+    from ..studies.precision.study import MeasuredRun, Study
 
 
 def add_to(app: typer.Typer) -> None:
@@ -21,10 +21,7 @@ def add_to(app: typer.Typer) -> None:
 
 def precision(
     scenario: common.ScenarioName,
-    method: Annotated[
-        list[str] | None,
-        typer.Option(help="Master, or master/laws as jacobi/held; may repeat. All if not given."),
-    ] = None,
+    method: common.MethodTexts = None,
     factor: Annotated[
         list[float] | None,
         typer.Option(help="Steps as multiples of the scenario's; 8 to 1/8 if not given."),
@@ -38,10 +35,12 @@ def precision(
         typer.Option(help="Another scenario at the same steps, against the same reference."),
     ] = None,
     reference: Annotated[
-        str | None, typer.Option(help="monolith or self; the first that can be had if not given.")
+        str | None,
+        typer.Option(help="monolith or self; if not given, the monolith where there is one."),
     ] = None,
     variable: Annotated[
-        list[str] | None, typer.Option(help="What the errors are of; the motion if not given.")
+        list[str] | None,
+        typer.Option(help="Variable whose error counts; the leading ones if none."),
     ] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Runs whose least wall time counts.")] = 3,
     output: Annotated[
@@ -55,24 +54,23 @@ def precision(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scenario by every method over a ladder of steps: error, order and run time of each.
+    """Run a scenario by every method at several steps: error, order and run time of each.
 
     Example: resilin precision flapping-full-wings --stop "10 cycles"
     """
     from ..errors import InputError
-    from ..report.page import prepare as prepare_page
-    from ..report.page import write as write_page
     from ..simulation.interrupt import Interrupt
-    from ..studies.precision.method import parse_method
     from ..studies.precision.page import page
-    from ..studies.precision.study import LADDER
+    from ..studies.precision.study import FACTORS
     from ..studies.precision.study import precision as study_precision
-    from ..studies.precision.table import advice, draw, facts, table, write
+    from ..studies.precision.table import draw, facts, write
 
     target = output or Path("results") / f"{Path(scenario).stem}.precision.csv"
+    files = StudyFiles(target, html)
+    shown = common.shows_progress(quiet, json)
 
     def tell(measured: MeasuredRun) -> None:
-        if sys.stderr.isatty() and not (quiet or json):
+        if shown:
             typer.echo(
                 f"{measured.method}, step {measured.step:.4g} s: {measured.status[:60]}",
                 err=True,
@@ -80,19 +78,17 @@ def precision(
 
     with Interrupt() as interrupt, common.reported():
         if reference not in (None, "monolith", "self"):
-            raise InputError(f"--reference {reference!r}: monolith or self")
+            raise InputError(f"--reference {reference!r}: choose monolith or self")
         if any(not f > 0.0 for f in factor or []):
             raise InputError("--factor: has to be above zero")
         if any(not 0.0 < t < 1.0 for t in tolerance or []):
             raise InputError("--tolerance: has to be between 0 and 1")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if html is not None:
-            prepare_page(html)
+        files.prepare()
         study = study_precision(
             scenario,
             common.library(fmus, native),
-            methods=[parse_method(text) for text in method or []] or None,
-            ladder=factor or LADDER,
+            methods=method,
+            factors=factor or FACTORS,
             tolerances=tolerance or (),
             also=also or (),
             reference="self" if reference == "self" else "monolith" if reference else None,
@@ -103,19 +99,21 @@ def precision(
             interrupt=interrupt,
             tell=tell,
         )
-        write(study, target)
-        drawn = draw(study, target.with_suffix(".svg"))
-        if html is not None:
-            write_page(page(study), html)
+        files.write(study, table=write, plot=draw, page=page)
     if json:
         common.print_json({"reference": study.reference, "runs": facts(study)})
     elif not quiet:
-        from rich.console import Console
+        _report(study)
+        files.report()
 
-        Console().print(table(study))
-        typer.echo(f"errors of {', '.join(study.variables)} against {study.reference}")
-        for line in advice(study):
-            typer.echo(line)
-        typer.echo(f"table:   {target}\npicture: {drawn}")
-        if html is not None:
-            typer.echo(f"page:    {html}")
+
+def _report(study: Study) -> None:
+    """Print the table of runs, the reference, and the cheapest settings."""
+    from rich.console import Console
+
+    from ..studies.precision.table import cheapest_settings, table
+
+    Console().print(table(study))
+    typer.echo(f"errors of {', '.join(study.variables)} against {study.reference}")
+    for line in cheapest_settings(study):
+        typer.echo(line)

@@ -1,4 +1,4 @@
-"""`resilin record`: what crosses a part's outputs, as a recording."""
+"""`resilin record`: the outputs of a part, as a recording."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def record(
     native: common.Native = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scenario and keep what one part puts out, as a recording that can take its place.
+    """Run a scenario and keep the outputs of one part, as a recording that can take its place.
 
     Example: resilin record flapping-full-wings --part amplifier --stop "10 cycles"
     """

@@ -1,4 +1,4 @@
-"""`resilin run`: a scenario from start to stop, its result, its picture, its numbers."""
+"""`resilin run`: a scenario from start to stop, its result, its plot, its metrics."""
 
 from __future__ import annotations
 
@@ -13,10 +13,9 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
-    import xarray
-
     from ..results.metrics import Metric
     from ..results.outcome import Outcome
+    from ..results.recorded import Recorded
 
 
 def add_to(app: typer.Typer) -> None:
@@ -38,7 +37,7 @@ def run(
     tolerance: common.Tolerance = None,
     estimate: Annotated[
         bool | None,
-        typer.Option(help="Run again at half the step to say how wrong the result is."),
+        typer.Option(help="Run again at half the step to estimate the error of the result."),
     ] = None,
     fmus: common.Library = common.BUILT,
     native: common.Native = False,
@@ -49,7 +48,7 @@ def run(
         bool, typer.Option("--verbose", help="Print calls, energies and messages too.")
     ] = False,
 ) -> None:
-    """Run a scenario; write its result, draw it, print the numbers that matter.
+    """Run a scenario; write its result, draw it, print its metrics.
 
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz" --estimate
     """
@@ -78,7 +77,7 @@ def run(
     if outcome.failure is not None:
         kept = f"{outcome.kept} rows are kept in {partial_path(target)}"
         common.fail(f"{outcome.failure}; {kept}", getattr(outcome.failure, "exit_code", 1))
-    _show(outcome, written, picture=picture, json=json, quiet=quiet, verbose=verbose)
+    _show(outcome, written, plot=picture, json=json, quiet=quiet, verbose=verbose)
 
 
 def recover(
@@ -96,20 +95,19 @@ def recover(
 
 
 def _show(
-    outcome: Outcome, written: Path, *, picture: bool, json: bool, quiet: bool, verbose: bool
+    outcome: Outcome, written: Path, *, plot: bool, json: bool, quiet: bool, verbose: bool
 ) -> None:
-    """What a run has to tell, from the file that it has written."""
-    import xarray
-
+    """Plot and print a run, from the file that it has written."""
     from ..results.metrics import metrics
+    from ..results.recorded import read_recorded, recorded
 
     drawn: Path | None = None
-    with xarray.open_dataset(written) as data:
-        if picture:
-            drawn = _drawn(data, written)
-        if quiet:
-            return
-        found = metrics(data, outcome.plan.scenario.metrics.cycles)
+    data = recorded(outcome) if outcome.segments is None else read_recorded(written)
+    if plot:
+        drawn = _drawn(data, written)
+    if quiet:
+        return
+    found = metrics(data)
     if json:
         common.print_json(_facts(outcome, found, written, drawn))
         _check_numbers(found)
@@ -128,7 +126,7 @@ def _check_numbers(found: Sequence[Metric]) -> None:
         common.fail("\n".join(wrong), 1)
 
 
-def _drawn(data: xarray.Dataset, written: Path) -> Path | None:
+def _drawn(data: Recorded, written: Path) -> Path | None:
     from ..errors import OutputError
     from ..results.plot import draw
 
@@ -141,11 +139,12 @@ def _drawn(data: xarray.Dataset, written: Path) -> Path | None:
 
 
 def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> dict[str, Any]:
-    """The same for scripts."""
+    """The report of a run as data for scripts."""
     estimates = outcome.estimates or {}
     return {
         "title": outcome.plan.scenario.title,
-        "advice": outcome.plan.advice,
+        "step_reason": outcome.plan.step_reason,
+        "advice": outcome.plan.step_reason,  # the old name, for one release
         "result": str(written),
         "picture": str(drawn) if drawn else None,
         "metrics": {m.name: {"value": m.value, "unit": m.unit} for m in found},
@@ -166,7 +165,7 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
 
 
 def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, verbose: bool) -> None:
-    """Print the table of metrics, what is to be warned of, and where the files are."""
+    """Print the table of metrics, the warnings, and where the files are."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -188,8 +187,8 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         f" {outcome.wall_time:.2f} s, {speed:.1f} times real time",
         highlight=False,
     )
-    if outcome.plan.advice:
-        console.print(f"auto: {outcome.plan.advice}", highlight=False)
+    if outcome.plan.step_reason:
+        console.print(f"auto: {outcome.plan.step_reason}", highlight=False)
     if outcome.estimates is not None:
         console.print(errors(outcome))
     if verbose:
@@ -202,7 +201,7 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         console.print(f"residual at the start: {outcome.residual:.2g}", highlight=False)
     for line in warnings(outcome):
         console.print(Text(f"warning: {line}"), soft_wrap=True)
-    for label, path in (("result: ", written), ("picture:", drawn)):
+    for label, path in (("result:", written), ("plot:  ", drawn)):
         if path is not None:
             shown = Text(f"{label} {printable(str(path), most=1000)}")
             console.print(shown, soft_wrap=True)

@@ -1,8 +1,7 @@
-"""`resilin stability`: stiff and extreme cases by every master over a ladder of steps."""
+"""`resilin stability`: stiff and extreme cases by every master at several steps."""
 
 from __future__ import annotations
 
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import common
+from .study_files import StudyFiles
 
 if TYPE_CHECKING:
     from ..studies.stability import Study
@@ -30,10 +30,7 @@ def stability(
     case: Annotated[
         list[str] | None, typer.Option(help="One case of the list, by name; may repeat.")
     ] = None,
-    method: Annotated[
-        list[str] | None,
-        typer.Option(help="Master, or master/laws as jacobi/held; may repeat. All if not given."),
-    ] = None,
+    method: common.MethodTexts = None,
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes; as many as processors if not given.")
     ] = None,
@@ -50,17 +47,14 @@ def stability(
 ) -> None:
     """Run extreme cases by every master at 4 to 1024 steps in a cycle; class each run.
 
-    Accurate, bounded but inaccurate and saying so, stopped with an error, or silently wrong:
-    the last makes the exit code 1.
+    A run is accurate, bounded but inaccurate with a warning, stopped with an error, or silently
+    wrong; a silently wrong one makes the exit code 1.
 
     Example: resilin stability --case water --method gauss-seidel
     """
     from ..errors import InputError
-    from ..report.page import prepare as prepare_page
-    from ..report.page import write as write_page
     from ..scenario.files import scenario_names, scenario_path
     from ..simulation.interrupt import Interrupt
-    from ..studies.precision.method import parse_method
     from ..studies.stability import Case, load_cases
     from ..studies.stability import stability as study_stability
     from ..studies.stability.cases import shipped
@@ -82,10 +76,9 @@ def stability(
             file = cases or shipped()
             listed = load_cases(file, case)
         target = output or Path("results") / f"{'stability' if scenario is None else file.stem}.csv"
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if html is not None:
-            prepare_page(html)
-        shown = sys.stderr.isatty() and not (quiet or json)
+        files = StudyFiles(target, html)
+        files.prepare()
+        shown = common.shows_progress(quiet, json)
 
         def tell(done: int, total: int) -> None:
             if shown:
@@ -95,28 +88,27 @@ def stability(
             listed,
             file,
             common.library(fmus, native),
-            methods=[parse_method(text) for text in method or []] or None,
+            methods=common.methods(method),
             workers=workers,
             patience=patience,
             interrupt=interrupt,
             tell=tell,
         )
-        write(study, target)
-        drawn = draw(study, target.with_suffix(".svg"))
-        if html is not None:
-            write_page(page(study), html)
+        files.write(study, table=write, plot=draw, page=page)
     if json:
         trials = [asdict(trial) for trial in study.trials]
-        told = {"count": study.count(), "references": study.references, "trials": trials}
-        common.print_json(told)
+        common.print_json(
+            {"count": study.count(), "references": study.references, "trials": trials}
+        )
     elif not quiet:
-        _report(study, {"table": target, "picture": drawn, "page": html})
+        _report(study)
+        files.report()
     if study.count()["silent"]:
         raise typer.Exit(1)
 
 
-def _report(study: Study, files: dict[str, Path | None]) -> None:
-    """The table, what its letters mean, the counts, and where the files are."""
+def _report(study: Study) -> None:
+    """Print the table, the meaning of its letters, and the counts."""
     from rich.console import Console
 
     from ..studies.stability import CLASSES
@@ -132,6 +124,3 @@ def _report(study: Study, files: dict[str, Path | None]) -> None:
     for label, found in lines.items():
         typer.echo(f"{label + ':':16} " + ", ".join(f"{found[k]} {k}" for k in CLASSES))
     typer.echo(f"{study.wall_time:.0f} s, at most {study.memory / 1e6:.0f} MB a worker")
-    for label, path in files.items():
-        if path is not None:
-            typer.echo(f"{label + ':':8} {path}")

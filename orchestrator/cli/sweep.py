@@ -48,20 +48,19 @@ def sweep(
 ) -> None:
     """Run a scenario at every point of a grid of start values; keep its metrics.
 
-    A point that fails costs that point alone. A sweep that was stopped goes on where it was when
-    the same command is given again.
+    A point that fails does not affect the others. A sweep that was stopped goes on where it was
+    when the same command is given again.
 
     Example: resilin sweep flapping-full-wings --over amplifier.frequency=10:26:1Hz
     """
     from ..simulation.interrupt import Interrupt
-    from ..studies.sweep.study import parse_axis
     from ..studies.sweep.study import sweep as run_sweep
 
     target = output or Path("results") / f"{Path(scenario).stem}.sweep.nc"
     with Interrupt() as interrupt, common.reported():
         data = run_sweep(
             scenario,
-            [parse_axis(text) for text in over],
+            over,
             common.library(fmus, native),
             target,
             changes=common.assignments(set_),

@@ -1,8 +1,8 @@
-"""The one way into an FMU or SSP file: checked before anything is written, counted while it is.
+"""The one way into an FMU or SSP file: entries are checked before anything is written.
 
 Refused: entries that would leave the folder, links and devices, duplicates and case twins,
-names no file system should see, bombs by declared size, ratio or count, truncated, damaged
-and encrypted archives, and what is no archive at all.
+names that no file system should hold, bombs by declared size, ratio or count, truncated, damaged
+and encrypted archives, and what is not an archive at all.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ENCRYPTED = 0x1
 DESCRIPTION = "modelDescription.xml"
 STRUCTURE = "SystemStructure.ssd"
 KINDS = {DESCRIPTION: "an FMU", STRUCTURE: "an SSP"}
-"""What has to stand at the top level of an archive, and what makes it that."""
+"""Entry that an archive must have at its top level -> the kind of file that makes it."""
 
 
 def read_description(path: Path) -> bytes:
@@ -38,7 +38,7 @@ def read_description(path: Path) -> bytes:
 
 
 def read_entry(path: Path, name: str, kind: str) -> bytes:
-    """Bytes of one text of an archive whose kind is told by what it must have; see `KINDS`."""
+    """Bytes of one text of an archive of a kind, which is the entry that it must have (`KINDS`)."""
     with _opened(path, kind) as archive:
         if name not in archive.namelist():
             raise FmuError(f"{path}: has no '{printable(name)}'")
@@ -52,7 +52,7 @@ def read_entry(path: Path, name: str, kind: str) -> bytes:
 
 
 def entries(path: Path, kind: str) -> list[str]:
-    """Names of all that is in an archive."""
+    """Names of all entries of an archive."""
     with _opened(path, kind) as archive:
         return archive.namelist()
 
@@ -112,7 +112,7 @@ def _look(path: Path) -> str:
 
 
 def _is_place_taken(name: str, folders: set[str], files: set[str]) -> bool:
-    """Whether an entry stands where another needs a folder, or the other way round."""
+    """Whether an entry is a file where another needs a folder, or the other way round."""
     parts = name.casefold().rstrip("/").split("/")
     above = {"/".join(parts[:k]) for k in range(1, len(parts))}
     own = "/".join(parts)
@@ -123,7 +123,7 @@ def _is_place_taken(name: str, folders: set[str], files: set[str]) -> bool:
 
 
 def _check(path: Path, entries: list[zipfile.ZipInfo], kind: str) -> None:
-    """Refuse archives that are not plain trees of files of bearable size."""
+    """Refuse archives that are not plain trees of files of acceptable size."""
     if len(entries) > MOST_ENTRIES:
         raise FmuError(f"{path}: {len(entries)} entries; at most {MOST_ENTRIES} are read")
     declared = sum(info.file_size for info in entries)
@@ -137,7 +137,7 @@ def _check(path: Path, entries: list[zipfile.ZipInfo], kind: str) -> None:
         fault = _fault_of_name(name) or _fault_of_entry(info)
         key = unicodedata.normalize("NFC", name).casefold().rstrip("/")
         if not fault and key in seen:
-            fault = "stands twice, or differs from another only in case"
+            fault = "is duplicated, or differs from another only in case"
         if not fault and _is_place_taken(name, folders, files):
             fault = "is a file where another entry needs a folder"
         seen.add(key)
@@ -166,14 +166,14 @@ def _fault_of_name(name: str) -> str:
 
 
 def _fault_of_entry(info: zipfile.ZipInfo) -> str:
-    """What is wrong with an entry beside its name, or nothing."""
+    """What is wrong with an entry apart from its name, or nothing."""
     kind = stat.S_IFMT(info.external_attr >> 16)
     if kind not in {0, stat.S_IFREG, stat.S_IFDIR}:
         return "is a link or a device"
     if info.flag_bits & ENCRYPTED:
         return "is encrypted"
     if info.compress_type not in {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
-        return "is compressed by another method than deflate"
+        return "is compressed with a method other than deflate"
     if info.file_size > RATIO_COUNTS_FROM and info.file_size > MOST_RATIO * info.compress_size:
         return f"is compressed more than {MOST_RATIO} times"
     return ""

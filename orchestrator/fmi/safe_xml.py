@@ -1,4 +1,4 @@
-"""XML of strangers: no entities, no DOCTYPE, no network, no bottomless nesting."""
+"""XML of foreign files: no entities, no DOCTYPE, no network, bounded nesting."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CODES = ("utf-8", "utf-16-le", "utf-16-be", "utf-32-le", "utf-32-be")
 
 
 def guarded(where: str, text: bytes) -> Any:
-    """Root element of a document; `where` opens the message of the `FmuError` if it is unfit."""
+    """Root element of a document; `where` begins the message of the `FmuError` if it is refused."""
     from lxml import etree
 
     parser = etree.XMLParser(

@@ -1,1 +1,1 @@
-"""Recordings: measured or computed values over time that stand where a part stands."""
+"""Recordings: measured or computed values over time that take the place of a part."""

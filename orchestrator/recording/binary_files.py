@@ -15,31 +15,32 @@ from .table import Table
 
 
 def read_netcdf(path: Path, choice: Choice) -> Table:
-    """Table of a result of ours, variables `component.variable`, or of any file over `time`."""
+    """Table of one of our results, variables `component.variable`, or of any file over `time`."""
     import xarray
 
     try:
         with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as data:
             data.load()
     except (OSError, ValueError, RuntimeError) as error:
-        raise RecordingError(f"{path}: is no netCDF file that can be read ({error})") from None
+        raise RecordingError(f"{path}: cannot be read as a netCDF file ({error})") from None
     headings, columns = [], []
     for key, variable in data.variables.items():
         if variable.ndim == 1 and variable.dtype.kind in "fiu":
             name = str(variable.attrs.get("original_name", key))
             headings.append(Heading(name, name, str(variable.attrs.get("units", ""))))
             columns.append(variable.values)
-    said = {str(key): str(value) for key, value in data.attrs.items()}
-    if not choice.component and "resilin_version" in said:
+    attributes = {str(key): str(value) for key, value in data.attrs.items()}
+    if not choice.component and "resilin_version" in attributes:
         owners = {h.name.partition(".")[0] for h in headings if "." in h.name}
         if len(owners) > 1:
             raise RecordingError(
-                f'{path}: holds several components; say component = "..."; {nearest("", owners)}'
+                f'{path}: holds several components; choose one by component = "...";'
+                f" {nearest('', owners)}"
             )
         choice = replace(choice, component=next(iter(owners), ""))
     if choice.component == EVERY:
         choice = replace(choice, component="")
-    return _table(path, choice, headings, columns, said)
+    return _table(path, choice, headings, columns, attributes)
 
 
 def read_matlab(path: Path, choice: Choice) -> Table:
@@ -55,7 +56,7 @@ def read_matlab(path: Path, choice: Choice) -> Table:
         ) from None
     except (MatReadError, OSError, ValueError, TypeError, IndexError, MemoryError) as error:
         reason = printable(str(error))
-        raise RecordingError(f"{path}: is no MATLAB file that can be read ({reason})") from None
+        raise RecordingError(f"{path}: cannot be read as a MATLAB file ({reason})") from None
     flat = [(name, value) for name, value in _flat(found) if value.size > 1]
     headings = [Heading(name, name, "") for name, _ in flat]
     return _table(path, choice, headings, [value for _, value in flat], {})
@@ -72,7 +73,7 @@ def _flat(tree: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def read_parquet(path: Path, choice: Choice) -> Table:
-    """Table of a Parquet file; needs pyarrow, which this package does not bring."""
+    """Table of a Parquet file; needs pyarrow, which comes with the extra `parquet`."""
     try:
         from pyarrow import ArrowException
         from pyarrow.parquet import read_table
@@ -84,21 +85,22 @@ def read_parquet(path: Path, choice: Choice) -> Table:
         found = read_table(path)
     except (ArrowException, OSError) as error:
         reason = printable(str(error))
-        raise RecordingError(f"{path}: is no Parquet file that can be read ({reason})") from None
+        raise RecordingError(f"{path}: cannot be read as a Parquet file ({reason})") from None
     headings = [Heading.of(str(name)) for name in found.column_names]
     columns = [np.asarray(found.column(k).to_numpy()) for k in range(len(headings))]
     return _table(path, choice, headings, columns, {})
 
 
 def _table(
-    path: Path, choice: Choice, headings: list[Heading], arrays: list[Any], said: dict[str, str]
+    path: Path, choice: Choice, headings: list[Heading], arrays: list[Any], comments: dict[str, str]
 ) -> Table:
     columns = choice.columns_of(path, "columns", headings)
     for column in columns:
         kind = arrays[column.place].dtype.kind
         if kind not in "fiu":
             raise RecordingError(
-                f"{path}: column {printable(column.heading)!r} holds no numbers but {kind!r}"
+                f"{path}: column {printable(column.heading)!r} holds values of kind {kind!r},"
+                " not numbers"
             )
     sizes = {column.heading: len(arrays[column.place]) for column in columns}
     count = sizes[columns[0].heading]
@@ -108,4 +110,6 @@ def _table(
                 f"{path}: column {printable(heading)!r} has {size} rows, time has {count}"
             )
     values = np.array([arrays[c.place] for c in columns], dtype=float).reshape(len(columns), -1).T
-    return Table(path, columns, values[:, 0], values[:, 1:], np.arange(1, count + 1), "row", said)
+    return Table(
+        path, columns, values[:, 0], values[:, 1:], np.arange(1, count + 1), "row", comments
+    )

@@ -1,4 +1,4 @@
-"""Headings of a file, and which of them a scenario takes as what."""
+"""Headings of a file, and the columns that a scenario makes of them."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import Problems, RecordingError, nearest, printable
-from ..units import UnitError, parsed
+from ..units import UnitError, check_unit
 from .table import TIME, Column
 
 _WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*")
 _VARIABLE = re.compile(r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?(\.[A-Za-z_]\w*(\[\d+(,\d+)*\])?)*")
 CLOCKS = ("time", "t")
 EVERY = "*"
-"""In the place of a component's name: those of all, called `component.variable`."""
+"""In place of the name of a component: columns of all, named `component.variable`."""
 
 
 @dataclass(frozen=True)
 class Heading:
-    """A column's heading as it stands, and its name and unit: `force.value [N]`, `F (N)`."""
+    """A column's heading as it is written, and its name and unit: `force.value [N]`, `F (N)`."""
 
     text: str
     name: str
@@ -28,7 +28,7 @@ class Heading:
 
     @classmethod
     def of(cls, text: str) -> Heading:
-        """Heading of one cell; an index, as in `x[1]`, is no unit."""
+        """Heading of one cell; an index, as in `x[1]`, is not a unit."""
         words = text.strip()
         found = _WITH_UNIT.fullmatch(words)
         if found is None or re.fullmatch(r"[\d, ]*", found[2]):
@@ -38,20 +38,20 @@ class Heading:
 
 @dataclass(frozen=True)
 class Choice:
-    """What a scenario says of the columns: whose they are, what they become, their units."""
+    """A scenario's choice of columns: their component, their variables, their units."""
 
     component: str = ""
     columns: Mapping[str, str] | None = None
     units: Mapping[str, str] | None = None
 
     def columns_of(self, path: Path, where: str, headings: list[Heading]) -> list[Column]:
-        """The columns in use, time first; `RecordingError` with all that is wrong of them."""
+        """The columns in use, time first; `RecordingError` lists all that is wrong with them."""
         if self.component and self.component != EVERY:
             headings = _belonging(path, where, headings, self.component)
         problems = Problems(f"{path}: {where}", RecordingError)
         texts = [h.text for h in headings if h.text]
         for text in sorted({t for t in texts if texts.count(t) > 1}):
-            problems.add("headings", f"two columns are called {printable(text)!r}")
+            problems.add("headings", f"two columns are named {printable(text)!r}")
         taken = self._mapped(headings, problems) if self.columns else _named(headings)
         if TIME not in taken.values():
             clocks = [k for k, h in enumerate(headings) if h.name.lower() in CLOCKS]
@@ -60,13 +60,13 @@ class Choice:
         if TIME not in taken.values():
             problems.add(
                 "headings",
-                f"no column of time; call one {TIME!r} or say so under columns;"
+                f"no column of time; name one {TIME!r} or give one under columns;"
                 f" {nearest(TIME, texts)}",
             )
         elif len(taken) < 2:
             problems.add(
                 "headings",
-                "no column is called like a variable; say under columns which is which, as"
+                "no column has the name of a variable; name the variables under columns, as"
                 f' {{ "F (N)" = "force.value" }}; {nearest("", texts)}',
             )
         made = [self._column(headings[k], k, name, problems) for k, name in taken.items()]
@@ -88,9 +88,11 @@ class Choice:
                 hint = nearest(key, [h.text for h in headings if h.text])
                 problems.add("columns", f"no column {printable(key)!r}; {hint}")
             elif len(found) > 1:
-                problems.add("columns", f"{printable(key)!r} is {len(found)} columns; say its unit")
+                problems.add("columns", f"{printable(key)!r} is {len(found)} columns; add the unit")
             elif name in taken.values() or found[0] in taken:
-                problems.add("columns", f"{printable(key)!r} and another are one and the same")
+                problems.add(
+                    "columns", f"{printable(key)!r} repeats the column or variable of another entry"
+                )
             else:
                 taken[found[0]] = name
         return taken
@@ -102,22 +104,22 @@ class Choice:
         given = units[keys[0]] if keys else ""
         where = f"column {printable(heading.text)!r}"
         if heading.unit and given and heading.unit != given:
-            problems.add(where, f"is in {printable(heading.unit)}, under units in {given}")
+            problems.add(where, f"is in {printable(heading.unit)}, but under units in {given}")
         unit = heading.unit or given
         try:
-            parsed(unit)
+            check_unit(unit)
         except UnitError as error:
             problems.add(where, error)
         return Column(place, heading.text, name, unit)
 
 
 def _named(headings: list[Heading]) -> dict[int, str]:
-    """Columns that are called like a variable."""
+    """Columns that have the name of a variable."""
     return {k: h.name for k, h in enumerate(headings) if _VARIABLE.fullmatch(h.name)}
 
 
 def _belonging(path: Path, where: str, headings: list[Heading], component: str) -> list[Heading]:
-    """Headings under the names inside a component; those of others have none."""
+    """Headings with their names inside a component; those of others are blank."""
     prefix = f"{component}."
     kept = [
         Heading(h.text, h.name.removeprefix(prefix), h.unit)

@@ -1,4 +1,4 @@
-"""CSV: read in pieces, delimiter and decimal comma found out, faults with their line."""
+"""CSV: read in pieces, delimiter and decimal comma detected, faults reported with their line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .columns import Choice, Heading
 from .table import Column, Table, Values
 
 PIECE = 1 << 15
-"""Lines that are made into numbers at once."""
+"""Lines that are converted into numbers at once."""
 DELIMITERS = "\t;|,"
 COMMENTS = ("#", "%")
 EMPTY = {"", "nan", "na", "n/a", "null", "none"}
@@ -25,9 +25,9 @@ Lines = list[tuple[int, str]]
 
 
 def read_csv(path: Path, choice: Choice) -> Table:
-    """Table of a CSV file, UTF-8, with a line of headings; comment lines tell `key: value`."""
-    said: dict[str, str] = {}
-    lines = _lines(path, said)
+    """Table of a CSV file, UTF-8, with a line of headings; comment lines hold `key: value`."""
+    comments: dict[str, str] = {}
+    lines = _lines(path, comments)
     number, header = next(lines, (0, ""))
     if not number:
         raise RecordingError(f"{path}: is empty: no headings, no rows")
@@ -51,11 +51,11 @@ def read_csv(path: Path, choice: Choice) -> Table:
         pieces.append(_numbers(path, piece, delimiter, len(cells), columns))
         rows += [k for k, _ in piece]
     numbers = np.concatenate(pieces) if pieces else np.zeros((0, len(columns)))
-    return Table(path, columns, numbers[:, 0], numbers[:, 1:], np.array(rows), "line", said)
+    return Table(path, columns, numbers[:, 0], numbers[:, 1:], np.array(rows), "line", comments)
 
 
-def _lines(path: Path, said: dict[str, str]) -> Iterator[tuple[int, str]]:
-    """Lines with content, numbered from 1, and what the comments say."""
+def _lines(path: Path, comments: dict[str, str]) -> Iterator[tuple[int, str]]:
+    """Lines with content, numbered from 1; comment lines are added to `comments`."""
     with path.open("rb") as file:
         for number, raw in enumerate(iter(lambda: file.readline(LONGEST_LINE), b""), start=1):
             if number == 1:
@@ -70,11 +70,11 @@ def _lines(path: Path, said: dict[str, str]) -> Iterator[tuple[int, str]]:
                     f" (0x{raw[error.start]:02x}); save it as UTF-8"
                 ) from None
             if "\0" in text or len(raw) == LONGEST_LINE:
-                raise RecordingError(f"{path}: line {number}: is no text of a table")
+                raise RecordingError(f"{path}: line {number}: is not text of a table")
             if text.startswith(COMMENTS):
                 key, colon, value = text[1:].partition(":")
                 if colon:
-                    said.setdefault(key.strip(), value.strip())
+                    comments.setdefault(key.strip(), value.strip())
             elif text.strip():
                 yield number, text
 
@@ -99,21 +99,21 @@ def _numbers(path: Path, piece: Lines, delimiter: str, width: int, columns: list
         cells = _cells(text, delimiter)
         if len(cells) != width:
             raise RecordingError(
-                f"{path}: line {number}: has {len(cells)} cells, the headings are {width}"
+                f"{path}: line {number}: has {len(cells)} cells, but there are {width} headings"
             )
         for j, column in enumerate(columns):
             value = _number(cells[column.place], delimiter != ",")
             if value is None:
                 raise RecordingError(
                     f"{path}: line {number}: column {printable(column.heading)!r}:"
-                    f" {printable(cells[column.place], most=60)!r} is no number"
+                    f" {printable(cells[column.place], most=60)!r} is not a number"
                 )
             made[k, j] = value
     return made
 
 
 def _number(cell: str, comma: bool) -> float | None:
-    """A cell's number, NaN where it is empty, None where it is none."""
+    """A cell's number: NaN where it is empty, None where it is not a number."""
     word = cell.strip()
     if word.lower() in EMPTY:
         return math.nan

@@ -1,4 +1,4 @@
-"""A unit that replays a recording: no inputs, no parameters, outputs by time alone."""
+"""An instance that replays a recording: no inputs, no parameters, outputs by time alone."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .recording import Recording
 
 
 class RecordingInstance(Instance):
-    """A recording in the place of an FMU; its state is where it is in time.
+    """A recording in the place of an FMU; its state is its time.
 
-    Stepping past the end of the record, or starting before it, is a `InstanceFailure` unless the
-    scenario says what holds there.
+    Stepping past the end of the record, or starting before it, is an `InstanceFailure` unless the
+    scenario sets `after` or `before` to "hold" or "zero".
     """
 
     def __init__(self, name: str, recording: Recording) -> None:
@@ -30,7 +30,7 @@ class RecordingInstance(Instance):
     ) -> None:
         """Take the time at which the run starts."""
         del start, stop, tolerance
-        self._go(time, 0.0)
+        self._set_time(time, 0.0)
 
     def connect(
         self,
@@ -39,7 +39,7 @@ class RecordingInstance(Instance):
         outputs: list[list[Variable]],
         output_values: Values,
     ) -> None:
-        """Bind the outputs; there are no inputs."""
+        """Bind the outputs; a recording has no inputs."""
         del inputs, input_values
         place = {name: k for k, name in enumerate(self.interface.variables)}
         names = [variable.name for group in outputs for variable in group]
@@ -58,15 +58,15 @@ class RecordingInstance(Instance):
         """Nothing to do."""
 
     def send(self) -> None:
-        """Nothing to do: a recording follows nothing."""
+        """Nothing to do: a recording has no inputs."""
 
     def step(self, time: float, size: float) -> None:
-        """Go on in time."""
+        """Advance the time."""
         self.steps += 1
-        self._go(time + size, size)
+        self._set_time(time + size, size)
 
-    def _go(self, time: float, size: float) -> None:
-        if reason := self._recording.allows(time):
+    def _set_time(self, time: float, size: float) -> None:
+        if reason := self._recording.refusal(time):
             raise InstanceFailure(f"{self.name}: t = {time:.9g} s: {reason}")
         self._time, self._size = time, size
 
@@ -78,7 +78,7 @@ class RecordingInstance(Instance):
             self._output[:end] = values[self._places[:end]]
 
     def set(self, start: dict[str, float | str]) -> None:
-        """Refused: there is nothing to set."""
+        """`InstanceFailure`: a recording has no parameters."""
         if start:
             raise InstanceFailure(f"{self.name}: a recording has no parameter {min(start)!r}")
 

@@ -12,7 +12,7 @@ from .table import Values
 REFINED = 8
 """Pieces between two samples of a band-limited record."""
 BESIDE = 1e-9
-"""Of the shortest step: closer than this to a sample is at it."""
+"""Part of the shortest step within which a time counts as that of a sample."""
 KAISER = 12.0
 GAUSS = np.polynomial.legendre.leggauss(4)
 PLACES, SHARES = 0.5 * (GAUSS[0] + 1.0), 0.5 * GAUSS[1]
@@ -29,8 +29,8 @@ class Track:
 
     `pieces` has the shape (pieces, degree + 1, columns). With a `period` [s] the record goes on
     in both directions; else `before` it and `after` it the values are held, or zero. `first`
-    and `second` are the integrals of y and y^2 from the start to each knot. What is closer to a
-    knot than `grain` [s] is at it.
+    and `second` are the integrals of y and y^2 from the start to each knot. A time closer to a
+    knot than `grain` [s] counts as that of the knot.
     """
 
     knots: Values
@@ -54,7 +54,7 @@ class Track:
         return self.begin + self.period if self.period else float(self.knots[-1])
 
     def at(self, time: float, *, stepped: bool = False) -> tuple[Values, Values]:
-        """Values and slopes; the slope of the piece that ends here where a step has ended."""
+        """Values and slopes; `stepped` takes the slope of the piece that ends at this time."""
         values = self._inside(time)
         if stepped or (not self.period and time > self.end - self.grain):
             return values, self._slope(time - 2.0 * self.grain, time)
@@ -165,7 +165,7 @@ def fitted(
 
 
 def _monotone(times: Values, values: Values, periodic: bool) -> NDArray[np.float64]:
-    """Monotone cubics (Fritsch and Butland's slopes, as scipy has them); no overshoot."""
+    """Monotone cubics (Fritsch and Butland's slopes, as in scipy); no overshoot."""
     from scipy.interpolate import PchipInterpolator
 
     if not periodic:
@@ -180,9 +180,9 @@ def _monotone(times: Values, values: Values, periodic: bool) -> NDArray[np.float
 def _band_limited(
     times: Values, values: Values, periodic: bool
 ) -> tuple[Values, NDArray[np.float64]]:
-    """Spline through the samples and what a low-pass at their Nyquist frequency has between.
+    """Spline through the samples and, between them, a low-pass at their Nyquist frequency.
 
-    A period is summed as its Fourier series; else a windowed sinc is, the record continued
+    A periodic record is resampled by its Fourier series; any other by a windowed sinc, continued
     beyond its ends as its odd reflection.
     """
     from scipy.interpolate import CubicSpline
@@ -193,8 +193,8 @@ def _band_limited(
     if np.abs(steps - step).max() > 1e-3 * step:
         k = int(np.argmax(np.abs(steps - step) > 1e-3 * step))
         raise Uneven(
-            f"samples are {steps[k]:.6g} s apart at t = {times[k]:.6g} s and {step:.6g} s on the"
-            ' mean: band-limited needs them even; take "cubic"'
+            f"samples are {steps[k]:.6g} s apart at t = {times[k]:.6g} s and {step:.6g} s on"
+            ' average: band-limited needs equal steps; choose "cubic"'
         )
     count = REFINED * len(steps)
     knots = np.linspace(times[0], times[-1], count + 1)

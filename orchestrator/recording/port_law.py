@@ -1,4 +1,4 @@
-"""What a recorded port tells beyond its columns: rates, curvatures, and when it holds.
+"""Members of a recorded port beyond its columns: rates, curvatures, and when it holds.
 
 The conventions are those of docs/coupling.md. Over the step of size h that ends at t, with s
 counted from t,
@@ -25,7 +25,7 @@ SI = {
     "torque": "N.m",
     "charge": "C",
 }
-"""Members whose unit is known: a column is brought to it, and is in it where nothing is said."""
+"""Members whose unit is known: a column is converted to it, or is in it if it has no unit."""
 
 LOOSE = {"value", "rate"}
 """Members that are forces in our parts and may be anything elsewhere."""
@@ -43,7 +43,7 @@ ORDERS = {
 """How much of a law a member carries: 1 affine, 2 curvature; 0 where it is not named here."""
 
 CLOCKS = {"reference_time", "voltage_time", "charge_time"}
-"""Members that say when a law holds: always now, whatever the file has."""
+"""Members that give the time at which a law holds: always now, whatever the file holds."""
 
 
 @dataclass(frozen=True)
@@ -80,10 +80,10 @@ LAWS: dict[str, tuple[Derived, ...]] = {
     ),
     "charge": (Derived("charge_time", "time", "s", "Time at which the charge law holds"),),
 }
-"""First member of a law -> what comes with it where the file does not have it."""
+"""First member of a law -> members that are derived from it where the file lacks them."""
 
 PASSIVE = {"stiffness", "damping"}
-"""With these a law brings its own rate, which is one at rest and not the slope of the value."""
+"""With these a law has its own rate, which is that at rest and not the slope of the value."""
 
 
 def members(names: set[str]) -> list[tuple[str, Derived]]:

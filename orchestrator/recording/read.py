@@ -1,4 +1,4 @@
-"""A file as a table that can be interpolated: whole, finite, in the order of time."""
+"""A file as a table that can be interpolated: complete, finite, in the order of time."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ READERS: dict[str, Callable[[Path, Choice], Table]] = {
     ".parquet": read_parquet,
 }
 LARGEST = 512 << 20
-"""Bytes that a recording may have, unless the scenario says otherwise."""
+"""Bytes that a recording may have, unless the scenario sets `memory`."""
 ALIKE = 0.01
 EVEN = 0.9
 LONG = 1.5
@@ -41,14 +41,14 @@ def read_table(path: Path, choice: Choice, *, bridge: str = "", most: int = LARG
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         known = ", ".join(READERS)
-        raise RecordingError(f"{path}: no format known for {path.suffix!r}; there is {known}")
+        raise RecordingError(f"{path}: no format known for {path.suffix!r}; known are {known}")
     try:
         if path.is_dir():
             raise RecordingError(f"{path}: is a folder, not a recording")
         size = path.stat().st_size
         if size > most:
             raise RecordingError(
-                f"{path}: has {size} bytes, more than {most}; take fewer rows or columns, or raise"
+                f"{path}: has {size} bytes, more than {most}; keep fewer rows or columns, or raise"
                 ' the limit, as memory = "2 GiB"'
             )
         if size == 0:
@@ -75,20 +75,20 @@ def _in_order(table: Table) -> Table:
     times = table.times
     if len(times) < 2:
         count = "one row" if len(times) else "no row"
-        raise RecordingError(f"{table.path}: {count} under the headings; a recording has two")
+        raise RecordingError(f"{table.path}: {count} under the headings; a recording needs two")
     if not np.isfinite(times).all():
         k = int(np.argmin(np.isfinite(times)))
-        raise RecordingError(f"{table.at(k)}: the time is {times[k]}, no finite number")
+        raise RecordingError(f"{table.at(k)}: the time is {times[k]}, which is not a finite number")
     steps = np.diff(times)
     if not (steps > 0.0).all():
         k = int(np.argmax(steps <= 0.0)) + 1
-        fault = "stands twice" if steps[k - 1] == 0.0 else f"comes after {times[k - 1]:.9g} s"
+        fault = "is duplicated" if steps[k - 1] == 0.0 else f"comes after {times[k - 1]:.9g} s"
         raise RecordingError(f"{table.at(k)}: t = {times[k]:.9g} s {fault}; times have to rise")
     return table
 
 
 def _whole(table: Table, bridge: str) -> Table:
-    """No value infinite, none missing; or what is missing filled in."""
+    """The table without infinite or missing values; `bridge` fills missing ones in."""
     values = table.values
     if np.isinf(values).any():
         k, j = np.argwhere(np.isinf(values))[0]
@@ -106,7 +106,7 @@ def _whole(table: Table, bridge: str) -> Table:
     if np.mean(np.abs(steps - usual) < ALIKE * usual) >= EVEN and steps.max() > LONG * usual:
         k = int(np.argmax(steps > LONG * usual)) + 1
         raise RecordingError(
-            f"{table.at(k)}: rows are missing, {steps[k - 1]:.4g} s after the one before where"
+            f"{table.at(k)}: rows are missing, {steps[k - 1]:.4g} s since the row before where"
             f' {usual:.4g} s is usual; gaps = "bridge" interpolates'
         )
     return table
@@ -115,7 +115,7 @@ def _whole(table: Table, bridge: str) -> Table:
 def _bridged(
     table: Table, kind: str, missing: np.ndarray[tuple[int, int], np.dtype[np.bool_]]
 ) -> Table:
-    """Missing values as the interpolation of the others has them; never at an end."""
+    """Missing values replaced by the interpolation of the others; never at an end."""
     values: Values = table.values.copy()
     for j in range(values.shape[1]):
         holes = missing[:, j]

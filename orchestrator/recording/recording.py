@@ -1,4 +1,4 @@
-"""A recording as a scenario takes it: its interface, and its outputs at any time."""
+"""A recording as a scenario uses it: its interface, and its outputs at any time."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ TOOL = "recording"
 class Recording:
     """Outputs over time.
 
-    `offset` [s] is what the record's clock is behind the run's. `sources` gives each output
-    as how it comes about and the columns it comes from: its value, and for curvatures its
-    rate where that is recorded too, else -1. `events` are announced discontinuities;
-    `frequency` [Hz] is that of the cycle, as the file tells it or as it is repeated; `rows` are
-    the times of the file's rows in its own clock [s].
+    `offset` [s] is the run's time less the record's. `sources` gives for each output how it is
+    formed, the column of its value, and for curvatures the column of its rate where that is
+    recorded too, else -1. `events` are announced discontinuities; `frequency` [Hz] is that of
+    the cycle, from the file or from the repetition; `rows` are the times of the file's rows in
+    its own clock [s].
     """
 
     interface: Interface
@@ -47,7 +47,7 @@ class Recording:
 
     @functools.cached_property
     def curved(self) -> bool:
-        """Whether any output is a curvature, which asks for means over steps."""
+        """Whether any output is a curvature, which needs means over steps."""
         return any(how in {"curvature", "square"} for how, _, _ in self.sources)
 
     @property
@@ -60,26 +60,26 @@ class Recording:
         """Time of the last row [s], in the run's clock."""
         return self.track.end + self.offset
 
-    def allows(self, time: float) -> str:
-        """Why there is no value at a time; "" where there is one."""
+    def refusal(self, time: float) -> str:
+        """Why the recording has no value at a time; "" where it has one."""
         if self.track.period:
             return ""
         path = self.interface.path
         near = self.track.grain + 1e-12 * abs(time)
         if self.before == "stop" and time < self.begin - near:
             return (
-                f"{path} begins at t = {self.begin:.9g} s only; before ="
-                ' "hold" or "zero" says what holds earlier'
+                f"{path} begins only at t = {self.begin:.9g} s; before ="
+                ' "hold" or "zero" sets the values before'
             )
         if self.after == "stop" and time > self.end + near:
             return (
-                f'{path} ends at t = {self.end:.9g} s; after = "hold" or "zero" says what'
-                " holds then, repeat = true goes on with its first row"
+                f'{path} ends at t = {self.end:.9g} s; after = "hold" or "zero" sets the'
+                " values after, repeat = true starts again with its first row"
             )
         return ""
 
     def outputs(self, time: float, size: float) -> Values:
-        """All outputs at the end of a step of this size [s]; 0 for none yet."""
+        """All outputs at the end of a step of this size [s]; 0 before the first step."""
         inner = time - self.offset
         values, slopes = self.track.at(inner, stepped=size > 0.0)
         made = np.empty(len(self.sources))
@@ -213,9 +213,9 @@ def _digest(path: Path, settings: str) -> str:
 
 
 def _frequency(table: Table) -> float | None:
-    """Cycle of the run that was recorded, where the file tells it."""
+    """Frequency [Hz] of the run that was recorded, where the file gives it."""
     try:
-        value = float(table.said.get("frequency", "0"))
+        value = float(table.comments.get("frequency", "0"))
     except ValueError:
         return None
     return value if 0.0 < value < np.inf else None
@@ -243,11 +243,11 @@ def _in_si(table: Table) -> Table:
 
 
 def _without_clocks(table: Table) -> tuple[Table, Values]:
-    """The table without times that laws hold at, which are now; and announced events apart."""
+    """The table without the times at which laws hold, and the announced events."""
     names = [column.name.rpartition(".")[2] for column in table.columns[1:]]
     keep = [j for j, name in enumerate(names) if name not in {*port_law.CLOCKS, EVENT}]
     if not keep:
-        raise RecordingError(f"{table.path}: columns: times alone are no recording")
+        raise RecordingError(f"{table.path}: columns: times alone are not a recording")
     announced: Values = np.zeros(0)
     for j, column in enumerate(table.columns[1:]):
         if column.name == EVENT:
@@ -257,7 +257,7 @@ def _without_clocks(table: Table) -> tuple[Table, Values]:
 
 
 def _events(track: Track, component: RecordingSettings, announced: Values) -> tuple[float, ...]:
-    """Times of discontinuities in the record's clock: those it tells, its ends, its seam."""
+    """Times of discontinuities in the record's clock: announced ones, its ends, its seam."""
     begin, end = track.begin, track.end
     inside = announced[(announced > begin) & (announced <= end)].tolist()
     if track.period:
@@ -268,7 +268,7 @@ def _events(track: Track, component: RecordingSettings, announced: Values) -> tu
 
 
 def _variables(table: Table, eventful: bool) -> tuple[list[Variable], list[tuple[str, int, int]]]:
-    """Outputs and where each comes from: the columns, and the members derived from them."""
+    """Outputs and the source of each: the columns, and the members derived from them."""
     named = {column.name: j for j, column in enumerate(table.columns[1:])}
     made: list[Variable] = []
     sources: list[tuple[str, int, int]] = []

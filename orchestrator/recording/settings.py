@@ -1,4 +1,4 @@
-"""What a scenario says of a recording, and the kinds of value that its tables have."""
+"""Keys of a recording in a scenario, and the types of value in the tables of a scenario."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class Table(BaseModel):
 class RecordingSettings(Table):
     """The file `data` and how it is read: docs/recordings.md lists the keys.
 
-    `memory` is how large the file may be; `before` and `after` say what holds outside of the
-    record, `repeat` that it goes on periodically.
+    `memory` limits the size of the file; `before` and `after` set the values outside the record,
+    `repeat` continues it periodically.
     """
 
     data: Text | None = None

@@ -1,4 +1,4 @@
-"""What a file says: columns of numbers over time, each row with its place in the file."""
+"""The content of a file: columns of numbers over time, each row with its place in the file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TIME = "time"
 
 @dataclass(frozen=True)
 class Column:
-    """A column that is used: its place in the file, heading, variable and unit, "" if unsaid."""
+    """A column that is used: its place in the file, heading, variable and unit, "" if not given."""
 
     place: int
     heading: str
@@ -26,8 +26,8 @@ class Column:
 class Table:
     """Values of the columns `columns` at `times` [s], NaN where a cell is empty.
 
-    `rows` counts lines of a text, or rows of a binary file from 1, as `word` says. `said` is
-    what the file tells beside its numbers.
+    `rows` counts lines of a text, or rows of a binary file, from 1; `word` is "line" or "row".
+    `comments` are the keys and texts that the file holds beside its numbers.
     """
 
     path: Path
@@ -36,8 +36,8 @@ class Table:
     values: Values
     rows: NDArray[np.int64]
     word: str = "row"
-    said: dict[str, str] = field(default_factory=dict)
+    comments: dict[str, str] = field(default_factory=dict)
 
     def at(self, k: int) -> str:
-        """Place of a row, to stand before an error."""
+        """Place of a row, to begin an error."""
         return f"{self.path}: {self.word} {self.rows[k]}"

@@ -1,1 +1,1 @@
-"""Pages: what a study has found as one HTML file that needs nothing but itself."""
+"""Pages: the findings of a study as one HTML file that needs no other file."""

@@ -1,4 +1,4 @@
-"""A moving picture of a page: outlines whose points move from frame to frame, beside curves."""
+"""An animation of a page: outlines whose points move from frame to frame, beside curves."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Animation:
     plots: Sequence[Plot]
 
     def data(self) -> dict[str, Any]:
-        """All of it as JSON has it, in the shape that the page's script reads."""
+        """The animation as JSON, in the shape that the page's script reads."""
         first = self.times[0]
         return {
             "title": self.title,

@@ -1,4 +1,4 @@
-"""Files that are whole under their name, or not there."""
+"""Files that appear under their name whole, or not at all."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ def written_whole(
 ) -> Iterator[Path]:
     """A path beside `path` to write to, which takes its name once the block has ended.
 
-    Where the block fails, what stood at `path` before still stands there and nothing else does.
+    Where the block fails, an earlier file at `path` is kept and no other file is left.
     With `durable` the content and the name are on the disk when this returns. Raises
-    :class:`OutputError` with path and reason on an `OSError`, or on one of the `failures` that
-    the library which writes the format has of its own.
+    :class:`OutputError` with path and reason on an `OSError`, or on one of the `failures`, the
+    errors of the library that writes the format.
     """
     caught: tuple[type[Exception], ...] = (OSError, *failures)
     waiting = path.with_name(f".{path.name}.part")

@@ -1,4 +1,4 @@
-"""A figure of a page as a file by itself: PNG, SVG, whatever matplotlib writes."""
+"""A figure of a page as a file of its own: PNG, SVG or another format of matplotlib."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ MARKERS = "osd^v<>P"
 def save_figure(
     figure: Any, path: Path, resolution: int, metadata: Mapping[str, Any] | None = None
 ) -> Path:
-    """Save a matplotlib figure in the format that its path names, `resolution` in dots an inch.
+    """Save a matplotlib figure in the format that its path names, `resolution` in dots per inch.
 
-    Raises `OutputError` where the path cannot be written or names no format.
+    Raises `OutputError` where the path cannot be written or does not name a format.
     """
     with written_whole(path, failures=(ValueError,)) as waiting:
         figure.savefig(waiting, format=path.suffix[1:].lower(), dpi=resolution, metadata=metadata)
@@ -76,7 +76,7 @@ def _scaled(label: Any, scale: Any, limits: Any, axis: Axis) -> None:
 
 
 def _plain(text: str) -> str:
-    """A stranger's text, which matplotlib would read as formulas between dollars."""
+    """Foreign text, escaped, also the dollars between which matplotlib reads formulas."""
     return printable(text).replace("$", r"\$")
 
 

@@ -1,8 +1,8 @@
 """A page: title, facts and sections, rendered by escaping templates into one file.
 
-Texts come from scenarios, FMUs and files of strangers: jinja2 escapes all of them, data stand in
-`<script type="application/json">` without any `<`, and the Content-Security-Policy lets
-the page's own style and script run, by their digests, and nothing reach the network.
+Texts come from scenarios, FMUs and foreign files: jinja2 escapes all of them, data stand in
+`<script type="application/json">` without any `<`, and the Content-Security-Policy allows
+the page's own style and script, by their digests, and no access to the network.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ Part = Words | Notes | Table | Figure | Animation
 
 @dataclass(frozen=True)
 class Section:
-    """What stands under one heading. `key` is its anchor, as in `#figure3`."""
+    """The parts under one heading. `key` is its anchor, as in `#figure3`."""
 
     key: str
     title: str
@@ -59,7 +59,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """The whole of it. `facts` are pairs of a name and a text: versions, parts, times."""
+    """All that a file shows. `facts` are pairs of a name and a text: versions, parts, times."""
 
     title: str
     lead: str
@@ -70,21 +70,21 @@ class Page:
 def rendered(page: Page) -> str:
     """The page as one HTML text."""
     style, script = _own("page.css"), _own("page.js")
-    return _environment().get_template("page.html").render(
+    return environment().get_template("page.html").render(
         page=page, style=style, script=script, style_digest=_digest(style),
         script_digest=_digest(script),
     )  # fmt: skip
 
 
 def write(page: Page, path: Path) -> Path:
-    """Write a page to `path`: whole under its name, or not there."""
+    """Write a page to `path`, whole or not at all."""
     with written_whole(path) as waiting:
         waiting.write_text(rendered(page), encoding="utf-8", errors="backslashreplace")
     return path
 
 
 def prepare(path: Path) -> None:
-    """See that a page can be written to `path`, before any work is done for it."""
+    """Check that a page can be written to `path`, before any work is done for it."""
     if path.suffix.lower() not in {".html", ".htm"}:
         raise OutputError(f"{path}: pages are HTML files; name it *.html")
     if path.is_dir():
@@ -117,7 +117,8 @@ def _digest(text: str) -> str:
 
 
 @cache
-def _environment() -> Environment:
+def environment() -> Environment:
+    """Templates of this folder, which escape every text."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 

@@ -9,12 +9,12 @@ from typing import Any, ClassVar, Literal
 
 Style = Literal["line", "dashed", "points", "line-points", "stated"]
 DIGITS = 6
-"""Significant digits of what a page carries: more than a screen has pixels."""
+"""Significant digits of what a page carries: more than a screen can show."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A label with its unit; the ends of what is shown, where the data are not to say."""
+    """A label with its unit; the ends of the axis, where the data do not set them."""
 
     label: str
     log: bool = False
@@ -24,9 +24,9 @@ class Axis:
 
 @dataclass(frozen=True)
 class Curve:
-    """A named run of points; one that is no finite number leaves a gap.
+    """A named run of points; one that is not finite leaves a gap.
 
-    `stated` ones are crosses in the colour of the text: what others say.
+    `stated` points are crosses in the colour of the text: values that others have published.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Plot:
 
 @dataclass(frozen=True)
 class Figure:
-    """Plots that belong together. `key` names the section's anchor and the picture's file."""
+    """Plots that belong together. `key` names the section's anchor and the file of the plots."""
 
     kind: ClassVar[str] = "figure"
     key: str
@@ -56,12 +56,12 @@ class Figure:
     plots: Sequence[Plot]
 
     def data(self) -> list[dict[str, Any]]:
-        """The plots as JSON has them, in the order that the page's script reads."""
+        """The plots as JSON, in the shape that the page's script reads."""
         return [plotted(plot) for plot in self.plots]
 
 
 def plotted(plot: Plot) -> dict[str, Any]:
-    """A plot as JSON has it."""
+    """A plot as JSON."""
     return {
         "title": plot.title,
         "x": _axis(plot.x),
@@ -74,7 +74,7 @@ def plotted(plot: Plot) -> dict[str, Any]:
 
 
 def short(values: Iterable[float]) -> list[float | None]:
-    """Numbers to `DIGITS` significant digits; None for what is no finite number."""
+    """Numbers to `DIGITS` significant digits; None for one that is not finite."""
     return [float(f"{v:.{DIGITS}g}") if math.isfinite(v) else None for v in map(float, values)]
 
 

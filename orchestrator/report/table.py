@@ -11,10 +11,10 @@ Tone = Literal["plain", "green", "amber", "blue", "red", "grey"]
 
 @dataclass(frozen=True)
 class Cell:
-    """One text of a row. `sort` is what it is ordered by, where that is not the text.
+    """One text of a row. `sort` is the number that it is ordered by, if not by its text.
 
     A `tone` makes it a badge; `link` is the key of a section or figure of the same page;
-    `note` is said in smaller letters below.
+    `note` is shown in smaller letters below.
     """
 
     text: str
@@ -26,7 +26,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Column:
-    """A heading; numbers stand to the right and sort downwards first."""
+    """A heading; numbers are aligned to the right and sort downwards first."""
 
     title: str
     number: bool = False

@@ -1,1 +1,1 @@
-"""What a run leaves behind: rows, files, figures, plots."""
+"""Results of a run: rows, files, metrics, plots."""

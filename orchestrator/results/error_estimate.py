@@ -27,8 +27,8 @@ def estimate(series: NDArray[np.float64], halved: NDArray[np.float64]) -> Estima
     """Error of `series` from the same values at half the communication steps.
 
     With an error C h^p the distance d of the two is (1 - 2^-p) C h^p, so the error is
-    d 2^p/(2^p - 1); see `BEYOND`. What both runs have in common is not in it: the units' own
-    solvers, and what the units leave out of physics.
+    d 2^p/(2^p - 1); see `BEYOND`. Errors that both runs have in common are not in it: those of
+    the instances' own solvers, and the physics that the parts leave out.
     """
     error = BEYOND * float(np.abs(series - halved).max(initial=0.0))
     largest = float(np.abs(series).max(initial=0.0))
@@ -36,7 +36,7 @@ def estimate(series: NDArray[np.float64], halved: NDArray[np.float64]) -> Estima
 
 
 def halved(points: Sequence[float]) -> list[float]:
-    """Communication points with one more in the middle of each two."""
+    """Communication points with one more in the middle of each step."""
     ends = np.asarray(points, dtype=float)
     both = np.empty(2 * len(ends) - 1)
     both[::2] = ends

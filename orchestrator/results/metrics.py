@@ -1,4 +1,4 @@
-"""Metrics of a run: what its scenario defines, taken over the last whole cycles."""
+"""Metrics of a run: those that its scenario defines, taken over the last whole cycles."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ import numpy as np
 
 from ..scenario.metric_expression import Expression, expression_of, unit_of, variable_of
 from ..units import UnitError, in_base
+from .outcome import Outcome
+from .recorded import Recorded, recorded
 from .window import Window
 
 if TYPE_CHECKING:
@@ -28,7 +30,7 @@ MOST_UNASKED = 4
 class Metric:
     """One row of the table: name, value in SI with its unit, and how it is shown.
 
-    Where there is no number, `value` is NaN and `shown` says why.
+    Where there is no number, `value` is NaN and `shown` gives the reason.
     """
 
     name: str
@@ -37,25 +39,18 @@ class Metric:
     shown: str
 
 
-def metrics(data: xarray.Dataset, cycles: int | None = None) -> list[Metric]:
-    """The metrics of the scenario that a dataset comes from, over its last `cycles` cycles.
+def metrics(source: Recorded | Outcome | xarray.Dataset, cycles: int | None = None) -> list[Metric]:
+    """The metrics of the scenario that a result comes from, over its last `cycles` cycles.
 
-    Those whose variables were not recorded are left out, as are a frequency and a phase of what
-    does not move. A scenario that defines none gets the last value of its first variables.
+    Those whose variables were not recorded are left out, as are a frequency and a phase of a
+    variable that does not move. A scenario that defines none gets the last value of its first
+    variables.
     """
-    settings = _settings(data)
+    data = recorded(source)
+    settings = data.metrics or {}
     window = Window(data, cycles or int(settings.get("cycles", CYCLES)))
     defined = {str(k): str(v) for k, v in settings.items() if k != "cycles"}
     return list(_found(window, defined or _unasked(window)))
-
-
-def _settings(data: xarray.Dataset) -> Mapping[str, Any]:
-    """The scenario's own table of metrics, as the result carries it."""
-    try:
-        known = json.loads(data.attrs["scenario"])["metrics"]
-    except (KeyError, ValueError, TypeError):
-        return {}
-    return known if isinstance(known, dict) else {}
 
 
 def _unasked(window: Window) -> dict[str, str]:
@@ -106,7 +101,7 @@ def shown(number: float, unit: str) -> str:
 
 
 def _base(unit: str) -> tuple[str, float]:
-    """The SI unit of a unit's dimension, and how many of it one is; a foreign unit is its own."""
+    """The SI unit of a unit's dimension and its factor; a unit that is not known is its own."""
     try:
         return in_base(unit)
     except UnitError:

@@ -1,4 +1,4 @@
-"""What a run leaves on disk: a labelled netCDF file that is whole, or says that it is not.
+"""The result of a run on disk: a labelled netCDF file that is whole, or marked as partial.
 
 A file is written beside its place and renamed at the end. An incomplete run leaves
 `NAME.partial.nc`, marked by its attribute `complete = 0` and the reason.
@@ -35,13 +35,13 @@ def dataset(outcome: Outcome) -> xarray.Dataset:
     """Recorded values over time, named `component.variable`, units and meaning as attributes.
 
     The dataset's attributes hold what is needed to run it again: scenario, FMU digests,
-    versions, master, step; and how it went. Of a run that left memory in segments only the last
-    rows are here: :func:`write` puts all of it into one file.
+    versions, master, step; and how the run went. Of a run whose rows have left memory in segments
+    only the last rows are here: :func:`write` puts all of them into one file.
     """
     import xarray
 
     data = {
-        column.name: ("time", outcome.rows[:, k], dict(column.said))
+        column.name: ("time", outcome.rows[:, k], dict(column.attributes))
         for k, column in enumerate(columns(outcome.plan, outcome.estimates))
     }
     time = ("time", outcome.times, {"units": "s", "long_name": "Time at which values hold"})
@@ -49,26 +49,26 @@ def dataset(outcome: Outcome) -> xarray.Dataset:
 
 
 def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Column]:
-    """What a result says of each recorded variable, under names that netCDF takes."""
+    """Name and attributes of each recorded variable, under names that netCDF takes."""
     made: list[Column] = []
     taken: set[str] = set()
     for index, (component, variable) in enumerate(plan.records):
         name = f"{component}.{variable.name}"
-        said: dict[str, Any] = {"units": variable.unit, "long_name": variable.description}
+        noted: dict[str, Any] = {"units": variable.unit, "long_name": variable.description}
         if estimates is not None:
-            said["estimated_error"] = estimates[name].error
+            noted["estimated_error"] = estimates[name].error
         safe = netcdf_name(name)
         if safe != name:
-            said["original_name"] = name
+            noted["original_name"] = name
         if safe in taken:
             safe = f"{safe}_{index}"
         taken.add(safe)
-        made.append(Column(safe, said))
+        made.append(Column(safe, noted))
     return made
 
 
 def netcdf_name(name: str) -> str:
-    """A name that netCDF takes: what it does not take becomes `_`."""
+    """A name that netCDF takes: characters that it does not take become `_`."""
     kept = "".join("_" if c == "/" or not c.isprintable() else c for c in name)
     short = kept.encode()[:200].decode(errors="ignore")
     return re.sub(r"^[^A-Za-z0-9_]|\s+$", "_", short)
@@ -86,7 +86,7 @@ def release() -> str:
 
 
 def provenance(plan: Plan) -> dict[str, Any]:
-    """What a run is made of, as netCDF attributes: known before it starts."""
+    """What a run is made of, as netCDF attributes, known before it starts."""
     digests = {name: interface.guid for name, interface in plan.interfaces.items()}
     paths = {interface.path for interface in plan.interfaces.values()}
     hashes = {path: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
@@ -125,14 +125,14 @@ def attributes(outcome: Outcome) -> dict[str, Any]:
 
 
 def segments_for(plan: Plan, path: Path) -> Segments:
-    """Where the rows of a long run wait for the end, beside the result."""
+    """Segments for the rows of a long run, in a folder beside the result."""
     unfinished = provenance(plan) | {"complete": 0, "reason": "the run was killed"}
     return Segments(folder_of(path), columns(plan), unfinished)
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[xarray.Dataset]:
-    """A result file to read; `InputError` where it is none."""
+    """A result file to read; `InputError` where it is not one."""
     import xarray
 
     if not path.is_file():
@@ -148,12 +148,12 @@ def opened(path: Path) -> Iterator[xarray.Dataset]:
 
 
 def partial_path(path: Path) -> Path:
-    """Where the records of an incomplete run go."""
+    """File for the rows of an incomplete run."""
     return path.with_name(path.name.removesuffix(".nc") + ".partial.nc")
 
 
 def prepare(path: Path) -> None:
-    """See that a result can be written to `path`, before any work is done for it."""
+    """Check that a result can be written to `path`, before any work is done for it."""
     if path.suffix != ".nc":
         raise OutputError(f"{path}: results are netCDF files; name it *.nc")
     try:
@@ -171,7 +171,7 @@ def prepare(path: Path) -> None:
 
 
 def clear(path: Path) -> None:
-    """Remove an earlier result and an earlier partial one from a place about to be filled."""
+    """Remove an earlier result and an earlier partial one, before a run writes a new one."""
     path.unlink(missing_ok=True)
     partial_path(path).unlink(missing_ok=True)
 
@@ -192,7 +192,7 @@ def write(outcome: Outcome, path: Path) -> Path:
 
 
 def recover(folder: Path) -> tuple[Path, int]:
-    """Make a partial result of the segments of a killed run; its path and its rows."""
+    """Make a partial result of the segments of a killed run; its path and number of rows."""
     left = found(folder)
     target = partial_path(folder.with_name(folder.name.removesuffix(".segments") + ".nc"))
     rows = 0
@@ -211,9 +211,9 @@ def recover(folder: Path) -> tuple[Path, int]:
 def _assembled(
     target: Path,
     named: list[Column],
-    said: dict[str, Any],
+    noted: dict[str, Any],
     pieces: Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]],
 ) -> None:
-    """A file that is whole once it has its name."""
+    """Write a file that is whole once it has its name."""
     with written_whole(target, failures=(RuntimeError,)) as waiting:
-        assemble(waiting, named, said, pieces)
+        assemble(waiting, named, noted, pieces)

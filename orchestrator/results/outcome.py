@@ -1,10 +1,10 @@
-"""What a run recorded, and how it went."""
+"""The outcome of a run: what it recorded, and how it went."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,20 +13,17 @@ from ..scenario.plan import Plan
 from .error_estimate import Estimate
 from .segments import Segments
 
-if TYPE_CHECKING:
-    pass
-
 
 @dataclass(frozen=True)
 class Outcome:
     """What a run recorded, and how it went. `failure` is None for a whole run.
 
-    `points` are its communication points, `rejected` the attempts beside them, `calls` and
-    `rollbacks` counts for each unit, `residual` what was left of the initial conditions,
+    `points` are its communication points, `rejected` counts the attempts beside them, `calls` and
+    `rollbacks` those of each instance, `residual` is what remained of the initial conditions,
     `couplings` the energy created and exchanged by each power coupling [J].
-    `estimates` holds the error of each variable where it was asked for, `doubt` says why
-    there is none; `python_loop` why the communication loop ran in Python, "" for the compiled one.
-    `segments` holds the rows of a long run that have left memory; `times` and
+    `estimates` holds the error of each variable where it was asked for, `doubt` the reason where
+    there is none; `python_loop` the reason why the communication loop ran in Python, "" for the
+    compiled one. `segments` holds the rows of a long run that have left memory; `times` and
     `rows` are then the last ones.
     """
 
@@ -61,6 +58,19 @@ class Outcome:
     def series(self, name: str) -> NDArray[np.float64]:
         """Recorded values of `component.variable`."""
         return np.asarray(self.rows[:, self.names.index(name)])
+
+    def checked(self) -> Self:
+        """The same outcome; raises its `failure` where the run did not come to its end."""
+        if self.failure is not None:
+            raise self.failure
+        return self
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how the run went, its metrics, what was recorded."""
+        from ..report.notebook import rendered
+        from .card import card
+
+        return rendered(card(self))
 
 
 def whole(outcome: Outcome) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,4 +1,4 @@
-"""What crosses a part's outputs in a run, as a recording that can take the part's place."""
+"""The outputs of a part in a run, as a recording that can take the part's place."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def with_recorded_ports(plan: Plan, part: str) -> Plan:
     """The same scenario, with the outputs of one component recorded at every point of its grid.
 
     These are all members of its ports, what is wired beside them, and announced events; of a
-    unit without ports and wires, all outputs. `InputError` where there is no such component.
+    component without ports and wires, all outputs. `InputError` where there is no such component.
     """
     if part not in plan.interfaces:
         known = nearest(part, plan.interfaces)
@@ -43,7 +43,7 @@ def _outputs(plan: Plan, part: str) -> list[Variable]:
 
 
 def write_port_recording(outcome: Outcome, path: Path) -> Path:
-    """Write such a run as .nc or .csv; as `.partial` where it stopped early."""
+    """Write the outcome of such a run as .nc or .csv; as `.partial` where it stopped early."""
     if path.suffix == ".nc":
         return write(outcome, path)
     target = path
@@ -60,9 +60,9 @@ def write_port_recording(outcome: Outcome, path: Path) -> Path:
 def _lines(outcome: Outcome) -> Iterator[str]:
     """Provenance as comments, headings with units, rows whose numbers read back as they are."""
     plan = outcome.plan
-    said = {k: v for k, v in provenance(plan).items() if k not in OMITTED}
-    said |= {"component": plan.records[0][0], "complete": int(outcome.failure is None)}
-    for key, value in said.items():
+    noted = {k: v for k, v in provenance(plan).items() if k not in OMITTED}
+    noted |= {"component": plan.records[0][0], "complete": int(outcome.failure is None)}
+    for key, value in noted.items():
         yield f"# {key}: {printable(str(value), most=2000)}"
     units = [(v.name, v.unit) for _, v in plan.records]
     yield ",".join(["time [s]", *(_heading(name, unit) for name, unit in units)])

@@ -13,8 +13,8 @@ class RunWarning:
     """One warning; `figure` is the number that it rests on, where there is one.
 
     `coupling energy`: share of the exchanged energy that the coupling at `place` has created,
-    negative where it has lost it. `no estimate`: why there is no error estimate. `fmu`: what the
-    component's modelDescription has that is valid but doubtful.
+    negative where it has lost some. `no estimate`: why there is no error estimate. `fmu`: what is
+    valid but doubtful in the component's modelDescription.
     """
 
     kind: Kind

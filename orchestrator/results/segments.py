@@ -1,4 +1,4 @@
-"""Rows of a long run on disk in closed pieces: a kill loses at most the last one.
+"""Rows of a long run on disk in closed pieces: a killed run loses at most the last one.
 
 Each segment is a netCDF file, compressed and checksummed, flushed to disk and renamed when
 whole; `manifest.json` lists them with their SHA-256. At the end they become one file, piece by
@@ -24,16 +24,16 @@ from ..report.files import written_whole
 Values = NDArray[np.float64]
 MANIFEST = "manifest.json"
 CACHE = 1 << 20
-"""Bytes that netCDF may keep of each variable; its own choice is 16 MB for each."""
+"""Bytes that netCDF may keep of each variable; its default is 16 MB for each."""
 CODED: dict[str, Any] = {"zlib": True, "complevel": 1, "fletcher32": True}
 
 
 @dataclass(frozen=True)
 class Column:
-    """A variable of a result: its name in the file and what is said of it."""
+    """A variable of a result: its name in the file and its attributes."""
 
     name: str
-    said: Mapping[str, Any]
+    attributes: Mapping[str, Any]
 
 
 class Segments:
@@ -62,7 +62,7 @@ class Segments:
         self._note()
 
     def _claim(self) -> None:
-        """Make the folder; one that is there belongs to another run, alive or killed."""
+        """Make the folder; one that exists belongs to another run, running or killed."""
         try:
             self.folder.mkdir(parents=True)
         except FileExistsError:
@@ -74,8 +74,8 @@ class Segments:
             raise OutputError(f"{self.folder}: cannot be made ({error.strerror})") from None
 
     def _note(self) -> None:
-        """Bring the manifest up to date, whole at any time."""
-        columns = [[column.name, dict(column.said)] for column in self.columns]
+        """Bring the manifest up to date; the file is whole at any time."""
+        columns = [[column.name, dict(column.attributes)] for column in self.columns]
         text = json.dumps(
             {"segments": self.digests, "columns": columns, "attributes": self.attributes}
         )
@@ -91,7 +91,7 @@ class Segments:
             yield _read_piece(path)
 
     def remove(self) -> None:
-        """Take the folder away, once its rows are elsewhere."""
+        """Remove the folder, once its rows are elsewhere."""
         if self.digests:
             shutil.rmtree(self.folder, ignore_errors=True)
 
@@ -105,7 +105,7 @@ def found(folder: Path) -> Segments:
     """Segments that a killed run has left; `InputError` where there are none."""
     try:
         known = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-        columns = [Column(name, said) for name, said in known["columns"]]
+        columns = [Column(name, noted) for name, noted in known["columns"]]
         segments = Segments(folder, columns, known["attributes"])
         segments.digests = dict(known["segments"])
     except (OSError, ValueError, KeyError, TypeError) as error:
@@ -134,7 +134,7 @@ def assemble(
             variable = file.createVariable(
                 column.name, "f8", ("time",), chunksizes=chunk, fill_value=np.nan, **CODED
             )
-            variable.setncatts(dict(column.said))
+            variable.setncatts(dict(column.attributes))
             variables.append(variable)
         first = 0
         for times, rows in pieces:

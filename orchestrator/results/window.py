@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..units import UnitError, in_base
-
-if TYPE_CHECKING:
-    import xarray
+from .recorded import Recorded
 
 Values = NDArray[np.float64]
 
@@ -22,23 +20,18 @@ class Window:
     LEAST_ROWS: ClassVar[int] = 3
 
     class UndefinedError(Exception):
-        """A frequency or a phase of something that does not oscillate."""
+        """A frequency or a phase of a variable that does not oscillate."""
 
-    def __init__(self, data: xarray.Dataset, cycles: int) -> None:
-        time = np.asarray(data["time"].values, dtype=float)
-        self.drive = float(data.attrs.get("frequency", 0.0))
+    def __init__(self, data: Recorded, cycles: int) -> None:
+        time = data.times
+        self.drive = data.frequency
         begin = time[0] if len(time) else 0.0
         if self.drive > 0.0 and len(time):
             begin = max(begin, time[-1] - cycles / self.drive - 1e-9)
         self._first = int(np.searchsorted(time, begin))
         self.time = time[self._first :]
-        self._data = data
-        self._names = {
-            str(data[name].attrs.get("original_name", name)): str(name) for name in data.data_vars
-        }
-        self.units = {
-            name: str(data[own].attrs.get("units", "")) for name, own in self._names.items()
-        }
+        self._series = data.series
+        self.units = dict(data.units)
 
     @property
     def rows(self) -> int:
@@ -47,7 +40,7 @@ class Window:
 
     def series(self, name: str) -> Values:
         """A recorded variable in the SI unit of its dimension."""
-        values = np.asarray(self._data[self._names[name]].values, dtype=float)[self._first :]
+        values = np.asarray(self._series[name], dtype=float)[self._first :]
         try:
             scale = in_base(self.units[name])[1] if self.units[name] else 1.0
         except UnitError:
@@ -55,7 +48,7 @@ class Window:
         return values if scale == 1.0 else scale * values
 
     def reduced(self, function: str, series: Sequence[Values | float]) -> float:
-        """A function of `orchestrator.scenario.metric_expression.FUNCTIONS` of series."""
+        """A function of `orchestrator.scenario.metric_expression.FUNCTIONS`, applied to series."""
         one = np.broadcast_to(np.asarray(series[0], dtype=float), self.time.shape)
         span = self.time[-1] - self.time[0]
         match function:

@@ -1,4 +1,4 @@
-"""Timed actions of a scenario, in the units of the FMUs."""
+"""Timed actions of a scenario, in the FMUs' units."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .time_grid import seconds
 
 @dataclass(frozen=True)
 class Action:
-    """Values that a unit is given at a time [s]: tunable parameters or held inputs."""
+    """Values that a component is given at a time [s]: tunable parameters or held inputs."""
 
     time: float
     component: str
@@ -28,7 +28,7 @@ def actions_of(
     frequency: float | None,
     problems: Problems,
 ) -> list[Action]:
-    """Timed actions in the order of their times, one for each unit that is touched."""
+    """Timed actions in the order of their times, one for each component that is touched."""
     actions = []
     for index, action in enumerate(scenario.actions):
         where = f"actions[{index}]"

@@ -1,4 +1,4 @@
-"""Keys of a recorded component as texts: from options of a command, not from a scenario's file."""
+"""Keys of a recorded component as texts from a command's options, not from a scenario's file."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .schema import Component
 
 
 def component_of(path: Path, name: str, keys: Mapping[str, str]) -> Component:
-    """A component of the file with what is said of it, as `repeat` or `columns.U (kV)`.
+    """A component that replays the file, with keys such as `repeat` or `columns.U (kV)`.
 
-    Raises :class:`ScenarioError` with each key that is none or has no such value.
+    Raises :class:`ScenarioError` with each key that is unknown or has a wrong value.
     """
     tree: dict[str, Any] = {"data": str(path.absolute())}
     for key, text in keys.items():

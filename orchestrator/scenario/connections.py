@@ -1,4 +1,4 @@
-"""Wires of a scenario held against the FMUs: ports, causality, types, units, and what is held."""
+"""Wires of a scenario checked against the FMUs: ports, causality, types, units; held inputs."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def connections_of(
 
 
 def _check_types(output: Variable, target: Variable, wire: Wire) -> None:
-    """`ScenarioError` where a value could not pass from one type to the other without loss."""
+    """`ScenarioError` where a value cannot pass from one type to the other without loss."""
     for variable in (output, target):
         if not variable.numeric:
             raise ScenarioError(f"{variable.name} is a {variable.kind}; only numbers can be wired")
@@ -154,7 +154,7 @@ def held_of(
     fed: dict[str, str],
     problems: Problems,
 ) -> dict[str, float]:
-    """Held inputs and their values; wires of the same input are told apart from them."""
+    """Held inputs and their values; an input that is wired too is a problem."""
     held: dict[str, float] = {}
     for name, value in scenario.hold.items():
         where = f"hold.{printable(name)}"

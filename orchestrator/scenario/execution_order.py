@@ -1,4 +1,4 @@
-"""Order in which a sequential master steps the units."""
+"""Execution order: the order in which a sequential master steps the components."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from .schema import Scenario
 
 
 def order_of(scenario: Scenario, connections: list[Connection], problems: Problems) -> list[str]:
-    """Order as the scenario gives it, else from its wires.
+    """Execution order as the scenario gives it, else from its wires.
 
-    A unit comes after those that feed it, in the scenario's order otherwise. Units of a loop keep
-    the
-    scenario's order among themselves: which end of a loop is best extrapolated is for the scenario
-    to say.
+    A component comes after those that feed it, otherwise in the scenario's order. Components of a
+    loop keep the scenario's order among themselves: the scenario decides which end of a loop is
+    extrapolated.
     """
     listed = list(scenario.components)
     given = scenario.master.order
@@ -24,14 +23,14 @@ def order_of(scenario: Scenario, connections: list[Connection], problems: Proble
             problems.add("master.order", f"no component {name!r}; {nearest(name, listed)}")
     unknown = set(given) - set(listed)
     if len(set(given)) != len(given):
-        problems.add("master.order", "a component stands twice")
+        problems.add("master.order", "a component appears twice")
     elif not unknown and (missing := [name for name in listed if name not in given]):
         problems.add("master.order", f"{', '.join(missing)} is missing")
     return list(given)
 
 
 def _derived(listed: list[str], connections: list[Connection]) -> list[str]:
-    """Listed units, sources first; loops as one."""
+    """Listed components, sources first; those of a loop count as one."""
     reach = reachable(listed, [(c.source, c.target) for c in connections])
     before = {
         name: {other for other in listed if name in reach[other] and other not in reach[name]}

@@ -1,4 +1,4 @@
-"""Faults that a scenario injects into its units, to see what becomes of the rest."""
+"""Faults that a scenario injects into its components, to see how the others react."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ SIZED = ("bias", "noise")
 
 @dataclass(frozen=True)
 class Fault:
-    """What is wrong with a unit from `begin` until `end` [s].
+    """What is wrong with a component from `begin` until `end` [s].
 
-    `drop`: its step fails. Else its outputs in `variables` are told wrongly, as they are at
-    communication points: `freeze` keeps what was told before, `nan` tells no number, `bias`
-    adds `size`, `noise` adds a normal deviate of standard deviation `size` that `seed` and
-    the time determine, the same however often a step is repeated.
+    `drop`: its step fails. The other kinds falsify its outputs in `variables` at communication
+    points: `freeze` keeps the last value, `nan` gives NaN, `bias` adds `size`, `noise` adds a
+    normal deviate of standard deviation `size` that `seed` and the time determine, the same
+    however often a step is repeated.
     """
 
     begin: float
@@ -68,7 +68,7 @@ def faults_of(
 def _output(
     component: str, name: str, kind: str, interfaces: dict[str, Interface]
 ) -> Variable | None:
-    """The output that a fault is on; None for all of a unit."""
+    """The output that a fault is on; None for the whole component."""
     if component not in interfaces:
         hint = nearest(component, interfaces)
         raise UnitError(f"no component {printable(component)!r}; {hint}")
@@ -77,7 +77,7 @@ def _output(
             raise UnitError(f"{kind} needs one output, as {component}.output")
         return None
     if kind == "drop":
-        raise UnitError(f"a unit drops out as a whole; write {component}")
+        raise UnitError(f"a component drops out as a whole; write {component}")
     outputs = {v.name: v for v in interfaces[component].of("output") if v.real}
     if name not in outputs:
         hint = nearest(name, outputs)

@@ -29,7 +29,7 @@ def _shipped() -> Any:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is a file; a path that no file system could hold is none."""
+    """Whether there is a file; there is none at a path that no file system can hold."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -83,7 +83,7 @@ def read_tree(path: Path) -> dict[str, Any]:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """TOML of one file, with line and caret where it is not TOML."""
+    """TOML of one file; `ScenarioError` with the line and a mark where it is not TOML."""
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise ScenarioError(f"{path}: larger than {LARGEST_FILE >> 20} MiB; not a scenario")

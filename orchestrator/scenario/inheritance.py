@@ -39,12 +39,12 @@ def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]
     base = _merged(base_path, seen)
     _anchor(base, base_path, path)
     _drop(base, dropped, path)
-    _release(base, tree.get("wires", []))
+    _drop_wired_holds(base, tree.get("wires", []))
     return _overlaid(base, tree) | {"without": [*base.get("without", []), *dropped]}
 
 
 def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
-    """Files of an extended scenario stay beside it, wherever the scenario that extends it is."""
+    """Make files of an extended scenario absolute, so that they are found from any other folder."""
     folder = base_path.resolve().parent
     if folder == path.resolve().parent:
         return
@@ -73,7 +73,7 @@ SHAPES: dict[str, tuple[type, str]] = {
 
 
 def _misshapen(tree: dict[str, Any]) -> Iterator[str]:
-    """What would keep a tree from being merged with another: tables that are none."""
+    """What keeps a tree from being merged with another: values that are not tables or lists."""
     for key, (kind, words) in SHAPES.items():
         if key in tree and not isinstance(tree[key], kind):
             yield f"{key}: expected {words}"
@@ -113,7 +113,7 @@ def _misshapen_wires(wires: list[Any]) -> Iterator[str]:
 
 
 def _drop(tree: dict[str, Any], names: Any, path: Path) -> None:
-    """Remove components and whatever touches them."""
+    """Remove components and everything that names them."""
     components = tree.get("components", {})
     for name in names:
         if name not in components:
@@ -151,8 +151,8 @@ def _mentions(text: Any, prefix: str) -> bool:
         return False
 
 
-def _release(base: dict[str, Any], wires: Any) -> None:
-    """Let go of inherited holds that a new wire feeds, by variable or by port."""
+def _drop_wired_holds(base: dict[str, Any], wires: Any) -> None:
+    """Drop inherited holds of inputs that a new wire feeds, by variable or by port."""
     targets = [w["to"] for w in wires if isinstance(w, dict) and isinstance(w.get("to"), str)]
     base["hold"] = {
         key: value

@@ -1,4 +1,4 @@
-"""What a checked scenario is made of, as tables: units, connections, held inputs, time."""
+"""What a checked scenario is made of, as tables: components, connections, held inputs, time."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import printable
 from ..fmi.description import Variable
+from ..report.notebook import Card, of_terminal
 from .connections import Connection
 from .execution_order import reachable
 from .plan import Plan
@@ -17,8 +18,21 @@ LAWS = ("value", "affine", "curvature")
 
 
 def tables(plan: Plan) -> list[Table]:
-    """Units in the order in which they are stepped, wires by port, held inputs, the grid."""
-    return [_units(plan), _wires(plan), _held(plan), _shape(plan), _time(plan)]
+    """Components in execution order, wires by port, held inputs, structure, the time grid."""
+    return [_components(plan), _wires(plan), _held(plan), _shape(plan), _time(plan)]
+
+
+def card(plan: Plan) -> Card:
+    """The same for a notebook, all but the components folded away."""
+    first, *more = (of_terminal(table) for table in tables(plan))
+    master, grid = plan.scenario.master, plan.grid
+    lines = [
+        f"{plan.path}",
+        f"{grid.count} steps of {grid.step:.4g} s by {master.kind}, laws: {master.laws}",
+    ]
+    if plan.step_reason:
+        lines.append(f"auto: {plan.step_reason}")
+    return Card(printable(plan.scenario.title) or plan.path.stem, lines, [first], more)
 
 
 def facts(plan: Plan) -> dict[str, Any]:
@@ -69,7 +83,7 @@ def facts(plan: Plan) -> dict[str, Any]:
 
 
 def loops(plan: Plan) -> list[list[str]]:
-    """Units that feed each other, loop by loop, in the order in which they are stepped."""
+    """Components that feed each other, loop by loop, in execution order."""
     reach = reachable(plan.order, [(c.source, c.target) for c in plan.connections])
     found = []
     for name in plan.order:
@@ -79,10 +93,12 @@ def loops(plan: Plan) -> list[list[str]]:
     return found
 
 
-def _units(plan: Plan) -> Table:
+def _components(plan: Plan) -> Table:
     from rich.table import Table
 
-    table = Table("unit", "FMU", "GUID", "rollback", "ports", "start values", title="units")
+    table = Table(
+        "component", "FMU", "GUID", "rollback", "ports", "start values", title="components"
+    )
     for name in plan.order:
         interface = plan.interfaces[name]
         starts = [
@@ -138,10 +154,10 @@ def _held(plan: Plan) -> Table:
 
 
 def _shape(plan: Plan) -> Table:
-    """Order of stepping, loops, and what the scenario has left out of those that it extends."""
+    """Execution order, loops, recordings, and what the scenario leaves out or drops."""
     from rich.table import Table
 
-    table = Table("", "units", title="structure")
+    table = Table("", "components", title="structure")
     table.add_row("order", ", ".join(plan.order))
     for ring in loops(plan):
         table.add_row("loop", ", ".join(ring))
@@ -151,8 +167,8 @@ def _shape(plan: Plan) -> Table:
         table.add_row(
             "recording", f"{name}: {span}, {plan.scenario.components[name].interpolation}"
         )
-    for told in plan.dropped:
-        table.add_row("let go", printable(told))
+    for line in plan.dropped:
+        table.add_row("dropped", printable(line))
     return table
 
 

@@ -1,4 +1,4 @@
-"""The metrics of a scenario held against its FMUs: expressions, variables, units."""
+"""The metrics of a scenario checked against its FMUs: expressions, variables, units."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .schema import Scenario
 
 
 def check_metrics(scenario: Scenario, interfaces: dict[str, Interface], problems: Problems) -> None:
-    """Note each metric that cannot be read, or names an output that there is not."""
+    """Note each metric that cannot be read, or names an output that does not exist."""
     units = {
         f"{name}.{variable.name}": variable.unit
         for name, interface in interfaces.items()

@@ -2,7 +2,7 @@
 
 An expression is a function of recorded variables over the window of the last cycles, or a sum,
 product or power of such functions and numbers. Inside a function variables may be combined in the
-same way. A variable whose name is not made of letters, digits, `_`, `.` and `[n]` stands in quotes.
+same way. A variable whose name has more than letters, digits, `_`, `.` and `[n]` is quoted.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..errors import nearest
-from ..units import factor, parsed
+from ..units import check_unit, factor
 
 FUNCTIONS = {
     "max": "largest value, of one variable or of several",
     "min": "least value, of one variable or of several",
     "mean": "mean over time, by the trapezoidal rule",
     "rms": "root of the mean square over time",
-    "first": "value at the begin of the window",
+    "first": "value at the beginning of the window",
     "last": "value at the end of the window",
-    "peak_to_peak": "largest less least value",
-    "rate": "change over the window by its length: the mean rate, exact for a counter",
+    "peak_to_peak": "largest value minus least value",
+    "rate": "change over the window divided by its length: the mean rate, exact for a counter",
     "frequency": "mean frequency of the upward crossings of the middle value",
     "phase": "lag of the first argument's fundamental behind that of the second",
 }
@@ -43,7 +43,7 @@ class Expression:
 
 
 def expression_of(text: str) -> Expression:
-    """Read an expression; `ValueError` says what of it cannot be read."""
+    """Read an expression; `ValueError` names what cannot be read."""
     if len(text) > LONGEST:
         raise ValueError(f"longer than {LONGEST} characters")
     match = UNIT.fullmatch(text)
@@ -92,7 +92,7 @@ def variable_of(node: ast.AST) -> str | None:
 def unit_of(expression: Expression, units: dict[str, str]) -> str:
     """Unit in which a metric is shown, from those of its variables; "1" where it is not known.
 
-    Raises `UnitError` where the unit asked for is not one of the metric's dimension.
+    Raises `UnitError` where the unit asked for is of another dimension than the metric.
     """
     tree = expression.tree
     own = ""
@@ -112,12 +112,12 @@ def unit_of(expression: Expression, units: dict[str, str]) -> str:
     if expression.unit and own:
         factor(own, expression.unit)
     elif expression.unit:
-        parsed(expression.unit)
+        check_unit(expression.unit)
     return expression.unit or own or "1"
 
 
 def _is_series(node: ast.expr) -> bool:
-    """Whether a node has a value at every time; `ValueError` where it has none at all."""
+    """Whether a node has a value at every time; `ValueError` where it is not an expression."""
     if variable_of(node) is not None:
         return True
     if isinstance(node, ast.Constant) and isinstance(node.value, int | float):

@@ -1,4 +1,4 @@
-"""A scenario as checked data, from its file or from a tree: all problems at once."""
+"""A scenario as checked data, from its file or from a tree, with all problems at once."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def load_scenario(
 def scenario_of(
     tree: dict[str, Any], path: Path, changes: Mapping[str, Any] | None = None, **options: Any
 ) -> Scenario:
-    """The same from a tree that stands in a file at `path`, from which others are found."""
+    """The same from a tree; files that it names are found from the folder of `path`."""
     try:
         tree = _based(tree, path, [path.resolve()])
         components = tree.get("components", {})

@@ -1,7 +1,7 @@
-"""A scenario held against what its FMUs say of themselves: names, units, causality, time.
+"""A scenario checked against the descriptions of its FMUs: names, units, causality, time.
 
-Nothing is loaded here. The result is a :class:`Plan`, or a :class:`ScenarioError` that lists all
-that does not fit.
+Nothing is loaded here. The result is a :class:`Plan`, or a :class:`ScenarioError` that lists
+everything that does not fit.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .files import is_file
 from .metric_definitions import check_metrics
 from .schema import AUTO, Scenario
 from .start_values import starts_of
-from .substitution import without_replaced
+from .substitution import substituted
 from .time_grid import Grid, frequency_of, grid_of, seconds
 
 if TYPE_CHECKING:
@@ -32,16 +32,16 @@ if TYPE_CHECKING:
 
 LIBRARY = Path("build") / "fmus"
 NATIVE = Path("build") / "native"
-"""The same parts without Python in them."""
+"""Folder of the same parts without Python in them."""
 
 
 @dataclass(frozen=True)
 class Plan:
     """A checked scenario: what to load, how it is wired, when it communicates, what is kept.
 
-    `limits` holds for isolated units; `keep_from` is the time [s] from which rows are kept;
-    `advice` says why the step is what it is, where the scenario left it open. `recordings` stand in
-    the place of parts, `dropped` tells what the scenario does without for that.
+    `limits` holds for isolated instances; `keep_from` is the time [s] from which rows are kept;
+    `step_reason` is the reason for the step where the scenario left it open. `recordings` take the
+    place of parts, `dropped` lists what the scenario loses by that.
     """
 
     scenario: Scenario
@@ -58,7 +58,7 @@ class Plan:
     faults: list[Fault] = field(default_factory=list)
     limits: dict[str, Limits] = field(default_factory=dict)
     keep_from: float = -inf
-    advice: str = ""
+    step_reason: str = ""
     recordings: dict[str, Recording] = field(default_factory=dict)
     dropped: list[str] = field(default_factory=list)
 
@@ -73,12 +73,19 @@ class Plan:
 
     @property
     def fixed_step(self) -> list[str]:
-        """Units that take steps of one size only."""
+        """Components that take steps of one size only."""
         return [name for name, known in self.interfaces.items() if not known.variable_step]
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what `resilin inspect` does."""
+        from ..report.notebook import rendered
+        from .inspection import card
+
+        return rendered(card(self))
 
 
 def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
-    """Resolve a scenario against its FMUs; `ScenarioError` with every problem."""
+    """Check a scenario against its FMUs; `ScenarioError` with every problem."""
     problems = Problems(path)
     if not scenario.components:
         problems.add("components", "a scenario needs at least one")
@@ -86,7 +93,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     interfaces = _interfaces(scenario, path, library, recordings, problems)
     problems.check()
     whole = scenario
-    scenario, dropped = without_replaced(scenario, interfaces, _replays(interfaces), problems)
+    scenario, dropped = substituted(scenario, interfaces, _replays(interfaces), problems)
     starts = starts_of(scenario, interfaces, problems)
     fed: dict[str, str] = {}
     connections = connections_of(scenario, interfaces, fed, problems)
@@ -133,9 +140,9 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
 def usual(connections: list[Connection]) -> str:
     """The master for a scenario that names none.
 
-    Where two units feed each other nothing but bare numbers, holding them is of first order and
-    feeds the motion: extrapolated. With laws, or without feedback, Gauss-Seidel is of second
-    order at least cost. See docs/coupling.md.
+    Where two components feed each other only bare numbers, holding these is of first order and
+    feeds energy into the motion: extrapolated. With laws, or without feedback, Gauss-Seidel is of
+    second order at least cost. See docs/coupling.md.
     """
     pairs = {(c.source, c.target) for c in connections}
     lawful = {frozenset((c.source, c.target)) for c in connections if c.input.order}
@@ -144,7 +151,7 @@ def usual(connections: list[Connection]) -> str:
 
 
 def _limits(scenario: Scenario, problems: Problems) -> dict[str, Limits]:
-    """What each isolated unit may take, where the scenario says so."""
+    """Time of a call and memory that each isolated instance may take."""
     limits = {}
     for name, component in scenario.components.items():
         values = {}
@@ -181,7 +188,7 @@ def _keep_from(
 
 
 def _check_even(plan: Plan, problems: Problems) -> None:
-    """What a scenario asks of units that take steps of one size only."""
+    """Note where a scenario asks other steps of components that take steps of one size only."""
     fixed = ", ".join(plan.fixed_step)
     grid = plan.grid
     if not fixed:
@@ -207,7 +214,7 @@ def fmu_path(name: str, scenario: Path, library: Path) -> Path:
 
 
 def interface_of(name: str, scenario: Path, library: Path) -> Interface:
-    """Interface of a part by name or of an FMU by its path; `FmuError` where there is none."""
+    """Interface of a part by its name or of an FMU by its path; `FmuError` where there is none."""
     file = fmu_path(name, scenario, library)
     if file.parent == library and not is_file(file):
         raise FmuError(_missing_part(name, library))
@@ -215,7 +222,7 @@ def interface_of(name: str, scenario: Path, library: Path) -> Interface:
 
 
 def _recordings(scenario: Scenario, path: Path, problems: Problems) -> dict[str, Recording]:
-    """Recordings of a scenario, read and checked; nothing is imported where there is none."""
+    """Recordings of a scenario, read and checked; their readers are imported only if needed."""
     found: dict[str, Recording] = {}
     for name, component in scenario.components.items():
         if component.data is None:
@@ -231,14 +238,14 @@ def _recordings(scenario: Scenario, path: Path, problems: Problems) -> dict[str,
 
 
 def _replays(interfaces: dict[str, Interface]) -> list[str]:
-    """Components that only tell: recordings, and FMUs that `build --recording` has made of them."""
+    """Components without inputs: recordings, and FMUs that `build --recording` has made of them."""
     return [n for n, i in interfaces.items() if i.ours and not i.of("input")]
 
 
 def _recorded(recordings: dict[str, Recording]) -> float | None:
-    """Cycle that the recordings tell, where they agree."""
-    told = {r.frequency for r in recordings.values() if r.frequency}
-    return told.pop() if len(told) == 1 else None
+    """Frequency of the recordings' cycle [Hz], where they agree on one."""
+    frequencies = {r.frequency for r in recordings.values() if r.frequency}
+    return frequencies.pop() if len(frequencies) == 1 else None
 
 
 def _interfaces(
@@ -302,5 +309,5 @@ def _records(
 
 
 def _matches(name: str, pattern: str) -> bool:
-    """Whether a pattern names a variable; brackets of an array's element stand for themselves."""
+    """Whether a pattern names a variable; brackets of an array's element are taken literally."""
     return name == pattern or fnmatchcase(name, pattern)

@@ -1,7 +1,7 @@
-"""A scenario: the TOML text as checked data, nothing loaded yet.
+"""A scenario: the TOML text as checked data; no FMU is loaded yet.
 
 `extends` takes another scenario as it is and changes what differs; `without` drops components
-with all their wires, holds and records. All problems of a file come at once, each with
+with all their wires, holds and records. All problems of a file are reported at once, each with
 its key and the nearest right name.
 """
 
@@ -37,15 +37,15 @@ class Time(Table):
 
 
 RECORDED = set(RecordingSettings.model_fields) - {"data", "memory"}
-"""Keys of a component that only a recording has."""
+"""Keys that only a recorded component has."""
 
 
 class Component(RecordingSettings):
-    """One unit: a built part by name or any FMU by path, and its start values; or a recording.
+    """A built part by name or any FMU by path, with its start values; or a recording.
 
-    `isolate` puts it into a process of its own or keeps it from that; there `patience` is
-    the time that one call may take, and `memory` what it may allocate. A recording is the file
-    `data` with what docs/recordings.md says of it; `memory` is how large it may be.
+    `isolate` puts it into a process of its own, or keeps it out of one; there `patience` is the
+    time that one call may take, and `memory` what it may allocate. A recording is the file `data`
+    with the keys of docs/recordings.md; `memory` is how large it may be.
     """
 
     fmu: Text | None = None
@@ -55,7 +55,7 @@ class Component(RecordingSettings):
 
     @model_validator(mode="after")
     def _one_source(self) -> Component:
-        """Either an FMU or a recording, and keys that mean something to it."""
+        """Check that there is an FMU or a recording, and no key that means nothing to it."""
         fields = type(self).model_fields
         given = {key for key in fields if getattr(self, key) != fields[key].default}
         if (self.fmu is None) == (self.data is None):
@@ -83,10 +83,10 @@ class ActionSpec(Table):
 
 
 class FaultSpec(Table):
-    """Something injected into a unit, `on` one of its outputs or on all of it.
+    """A fault injected into a component, `on` one of its outputs or on all of it.
 
-    From `at` on, `until` it ends if ever; `size` is that of a bias, or the standard deviation
-    of noise, which `seed` determines.
+    It begins `at` a time and ends at `until`, if ever; `size` is that of a bias, or the standard
+    deviation of noise, which `seed` determines.
     """
 
     at: Quantity
@@ -108,7 +108,7 @@ class Wire(Table):
 
 
 class MasterSettings(Table):
-    """The method that steps the units; `laws` says how much of each port is connected.
+    """The method that steps the components; `laws` sets how much of each port is connected.
 
     The `kind` follows from the wires where it is "auto":
     see :func:`orchestrator.scenario.plan.usual`.
@@ -129,10 +129,10 @@ class MasterSettings(Table):
 
 
 class Record(Table):
-    """Which outputs are kept, by pattern, every how many steps, and over what last stretch.
+    """Which outputs are kept, by pattern, at every how many steps, and over what last stretch.
 
     `leading` are patterns of those whose error counts in studies and in the automatic step;
-    without it, the recorded outputs that are wired.
+    without it, the recorded outputs that are wired count.
     """
 
     variables: list[Text] = ["*"]
@@ -142,9 +142,9 @@ class Record(Table):
 
 
 class Metrics(Table):
-    """The figures of a run's table, and over how many of the last cycles they are taken.
+    """The metrics in a run's table, and over how many of the last cycles they are taken.
 
-    Every other key is the name of a figure, its value an expression such as
+    Every other key is the name of a metric, its value an expression such as
     `peak_to_peak(linkage.flap_angle) in deg`: :mod:`orchestrator.scenario.metric_expression`.
     """
 
@@ -154,14 +154,14 @@ class Metrics(Table):
 
     @property
     def defined(self) -> dict[str, str]:
-        """Expressions by the names of their figures."""
+        """Expressions by the names of their metrics."""
         return dict(self.__pydantic_extra__ or {})
 
 
 class Scenario(Table):
     """A whole scenario, `extends` resolved; `without` lists what was left out on the way.
 
-    `plot` gives the panels of the picture: label, and patterns of variables, as
+    `plot` gives the panels of the plot: label, and patterns of variables, as
     `amplifier.*.voltage in kV`.
     """
 

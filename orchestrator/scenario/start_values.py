@@ -1,4 +1,4 @@
-"""Start values and timed actions of a scenario, in the FMUs' units."""
+"""Start values of a scenario, in the FMUs' units."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
-"""What a scenario asks of a recorded component that a recording has not, and does without.
+"""A recording in the place of a part: the scenario drops what a recording does not have.
 
 A scenario that extends another may put a recording in the place of one part and leave all else
-as it is. What the part had and the recording has not is let go of, and told: wires into it,
+as it is. What the part has and the recording does not have is dropped and listed: wires into it,
 holds and actions on it, and records of outputs that are not among its columns. A wire from a
-port that was not recorded gives way to a hold of what it feeds; without one it is a problem, as
-is a port whose first member, which stands for it, was not recorded.
+port that was not recorded gives way to a hold of the input that it feeds; without such a hold it
+is a problem, and so is a port whose first member was not recorded.
 """
 
 from __future__ import annotations
@@ -18,35 +18,35 @@ from .metric_expression import expression_of
 from .schema import ActionSpec, Metrics, Scenario, Wire
 
 
-def without_replaced(
+def substituted(
     scenario: Scenario,
     interfaces: dict[str, Interface],
     recorded: Collection[str],
     problems: Problems,
 ) -> tuple[Scenario, list[str]]:
-    """The scenario with what its recordings can take, and what was let go of, in words."""
+    """The scenario without what its recordings do not have, and a line for all that was dropped."""
     if not recorded:
         return scenario, []
-    told: list[str] = []
+    dropped: list[str] = []
     wires = [
         wire
         for wire in scenario.wires
-        if not _replaced_wire(wire, scenario, interfaces, recorded, told, problems)
+        if not _drops_wire(wire, scenario, interfaces, recorded, dropped, problems)
     ]
     hold = {}
     for name, value in scenario.hold.items():
         if name.partition(".")[0] in recorded:
-            told.append(f"hold {name}: a recording has no inputs")
+            dropped.append(f"hold {name}: a recording has no inputs")
         else:
             hold[name] = value
-    actions = [_kept(action, recorded, told) for action in scenario.actions]
+    actions = [_kept(action, recorded, dropped) for action in scenario.actions]
     variables = []
     for pattern in scenario.record.variables:
         name, _, rest = pattern.partition(".")
         if name in recorded and not any(
             rest == v.name or fnmatchcase(v.name, rest) for v in interfaces[name].of("output")
         ):
-            told.append(f"record {pattern}: not in the recording")
+            dropped.append(f"record {pattern}: not in the recording")
         else:
             variables.append(pattern)
     record = scenario.record.model_copy(update={"variables": variables})
@@ -54,7 +54,7 @@ def without_replaced(
     for key, text in scenario.metrics.defined.items():
         missing = _missing(text, recorded, interfaces)
         if missing:
-            told.append(f"metric {key}: {missing} is not in the recording")
+            dropped.append(f"metric {key}: {missing} is not in the recording")
         else:
             metrics[key] = text
     left = {
@@ -64,21 +64,21 @@ def without_replaced(
         "record": record,
         "metrics": Metrics.model_validate(metrics),
     }
-    return scenario.model_copy(update=left), told
+    return scenario.model_copy(update=left), dropped
 
 
-def _replaced_wire(
+def _drops_wire(
     wire: Wire,
     scenario: Scenario,
     interfaces: dict[str, Interface],
     recorded: Collection[str],
-    told: list[str],
+    dropped: list[str],
     problems: Problems,
 ) -> bool:
-    """Whether a wire has lost an end to a recording; a problem noted where it is needed."""
+    """Whether a wire is dropped; a problem is noted where an end that it needs is missing."""
     shown = f"wire {wire.source} -> {wire.target}"
     if wire.target.partition(".")[0] in recorded:
-        told.append(f"{shown}: a recording has no inputs")
+        dropped.append(f"{shown}: a recording has no inputs")
         return True
     name, _, rest = wire.source.partition(".")
     if name not in recorded or rest in interfaces[name].variables:
@@ -90,7 +90,7 @@ def _replaced_wire(
     if first is None or first.member in members:
         return False
     if any(key.startswith(f"{wire.target}.") for key in scenario.hold):
-        told.append(f"{shown}: not in the recording; held instead")
+        dropped.append(f"{shown}: not in the recording; held instead")
         return True
     wanted = f"{rest}.{first.member}"
     hint = nearest(wanted, interfaces[name].variables)
@@ -115,12 +115,12 @@ def _missing(text: str, recorded: Collection[str], interfaces: dict[str, Interfa
     return ""
 
 
-def _kept(action: ActionSpec, recorded: Collection[str], told: list[str]) -> ActionSpec:
-    """An action without what it sets in recordings."""
+def _kept(action: ActionSpec, recorded: Collection[str], dropped: list[str]) -> ActionSpec:
+    """An action without the values that it sets in recordings."""
     kept = {}
     for name, value in action.set.items():
         if name.partition(".")[0] in recorded:
-            told.append(f"action on {name} at {action.at}: a recording has no parameters")
+            dropped.append(f"action on {name} at {action.at}: a recording has no parameters")
         else:
             kept[name] = value
     return action.model_copy(update={"set": kept}) if len(kept) < len(action.set) else action

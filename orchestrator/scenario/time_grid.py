@@ -60,7 +60,7 @@ def _has_parameter(interface: Interface, name: str) -> bool:
 
 
 def grid_of(scenario: Scenario, frequency: float | None, problems: Problems) -> Grid | None:
-    """Communication points; the last step is shortened where `stop` is no multiple."""
+    """Communication points; the last step is shortened where `stop` is not a multiple."""
     time = scenario.time
     before = len(problems)
     if problems.at("time.frequency"):
@@ -101,7 +101,7 @@ def trial_step(start: float, stop: float, frequency: float | None) -> float:
 
 
 def seconds(where: str, value: float | str, frequency: float | None, problems: Problems) -> float:
-    """A time in seconds or cycles; a problem noted and 0 returned where it is neither."""
+    """A time [s], given in seconds or cycles; 0 and a problem where it is neither."""
     try:
         if isinstance(value, str):
             number, _, unit = value.strip().partition(" ")

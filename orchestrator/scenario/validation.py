@@ -22,16 +22,16 @@ from .schema import (
 )
 
 BRANCHES = {"PerCycle", "float", "str", "constrained-str", "bool"}
-"""Names that pydantic gives the branches of a union in the place of a problem."""
+"""Names of a union's branches in the place that pydantic gives for a problem."""
 
 
 def _worded(errors: list[Any]) -> list[str]:
-    """Pydantic's problems as `key: what, remedy`, one a key.
+    """Pydantic's problems as `key: what, remedy`, one for each key.
 
-    Where a value may be a number, a text or a table, pydantic complains once for each; what
-    counts is the branch that the value is of.
+    Where a value may be a number, a text or a table, pydantic reports one problem for each type;
+    the one for the value's own type counts.
     """
-    told: dict[str, str] = {}
+    messages: dict[str, str] = {}
     for problem in errors:
         place = [str(step) for step in problem["loc"]]
         branch = next((k for k, step in enumerate(place) if step in BRANCHES), len(place))
@@ -39,13 +39,13 @@ def _worded(errors: list[Any]) -> list[str]:
         value = problem["input"]
         inside = "PerCycle" in place and problem["type"] != "model_type"
         key = ".".join(place[:branch])
-        if inside or problem["type"] == "finite_number" or key not in told:
-            told[key] = _told(".".join(parts), parts, problem, value, branch < len(place))
-    return list(told.values())
+        if inside or problem["type"] == "finite_number" or key not in messages:
+            messages[key] = _message(".".join(parts), parts, problem, value, branch < len(place))
+    return list(messages.values())
 
 
-def _told(key: str, parts: list[str], problem: Any, value: Any, union: bool) -> str:
-    """The words for one problem."""
+def _message(key: str, parts: list[str], problem: Any, value: Any, union: bool) -> str:
+    """One problem as `key: what, remedy`."""
     given = printable(reprlib.repr(value), most=60)
     if problem["type"] == "extra_forbidden":
         return f"{key}: unknown key; {_suggestion(parts, parts[-1])}"
@@ -61,7 +61,7 @@ def _told(key: str, parts: list[str], problem: Any, value: Any, union: bool) -> 
 
 
 def _suggestion(place: list[str], word: str) -> str:
-    """Nearest key of the table in which an unknown one stands."""
+    """Nearest key of the table that holds an unknown one, or all keys of it."""
     tables: dict[str, type[BaseModel]] = {
         "time": Time,
         "master": MasterSettings,

@@ -1,4 +1,4 @@
-"""The communication step where a scenario leaves it open: predicted stable, tried for accuracy."""
+"""The automatic step, where a scenario leaves it open: predicted stable, tried for accuracy."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from .linear.step_map import MAPPED, SLACK, quiet, step_map
 from .run import run
 
 TARGET = 1e-3
-"""Relative error of the leading variables that a step has to promise."""
+"""Largest relative error of the leading variables that a step may have."""
 
 SHARE = 1.0 / 3.0
-"""Share of it that the trial may show: it is shorter than the run, and errors add up."""
+"""Share of it that a trial may show: a trial is shorter than the run, and errors add up."""
 
 CYCLES = 3
 DOUBLINGS = 14
 ALIKE = 3
-"""Halvings on end whose trials stop at the same time: no step will do."""
+"""Halvings in a row whose trials stop at the same time: then no step will do."""
 
 
 @dataclass(frozen=True)
-class Advice:
+class AutomaticStep:
     """A step [s], its estimated error over a trial, and the spectral radius of its step map.
 
-    `radius` is None for masters that have no map, and for units that cannot roll back.
+    `radius` is None for masters that have no map, and for instances that cannot roll back.
     """
 
     step: float
@@ -43,19 +43,19 @@ class Advice:
         return f"step {self.step:.4g} s: estimated error {self.error:.1e} over a trial{stable}"
 
 
-def advised(plan: Plan) -> Advice:
+def automatic_step(plan: Plan) -> AutomaticStep:
     """The coarsest step, by halving from a tenth of a cycle, that is stable and accurate.
 
-    Each is tried over the first cycles of the scenario, or a tenth of it without a cycle; the
-    distance to the run at half the step estimates its error. Of the first one that is accurate
-    the linear step map, about rest with the drive off, predicts whether the coupling is stable.
+    Each is tried over the first cycles of the scenario, or over a tenth of its time span where
+    there is no cycle; the distance to the run at half the step estimates its error. Of an accurate
+    one the linear step map, about rest with the drive off, predicts whether the coupling is stable.
     Raises `ScenarioError` where no step down to 1/163840 of a cycle will do, or where trials stop
     at one and the same time whatever the step, with the last reason.
     """
     if plan.fixed_step:
         fixed = ", ".join(plan.fixed_step)
         raise ScenarioError(
-            f"{plan.path}: time.step: {fixed} takes steps of one size only; give it"
+            f"{plan.path}: time.step: {fixed} can only take steps of one size; give that size"
         )
     step, reason, alike = plan.grid.step, "", 0
     coarse = _tried(plan, step)
@@ -66,7 +66,7 @@ def advised(plan: Plan) -> Advice:
             error = _distance(plan, coarse, fine)
             radius = _radius(plan, step) if error <= SHARE * TARGET else None
             if error <= SHARE * TARGET and (radius is None or radius <= 1.0 + SLACK):
-                return Advice(step, error, radius)
+                return AutomaticStep(step, error, radius)
             reason = f"estimated error {error:.1e}" if radius is None else f"grows by {radius:.4f}"
         else:
             reason = str(failed[0] or failed[1])
@@ -76,7 +76,7 @@ def advised(plan: Plan) -> Advice:
         step, coarse = 0.5 * step, fine
         if alike == ALIKE:
             break
-    raise ScenarioError(f"{plan.path}: time.step: none is found; at {step:.3g} s: {reason}")
+    raise ScenarioError(f"{plan.path}: time.step: no step is found; at {step:.3g} s: {reason}")
 
 
 def _failed(trial: Outcome | Exception) -> Exception | None:
@@ -89,7 +89,7 @@ def _end(trial: Outcome | Exception) -> float:
 
 
 def _tried(plan: Plan, step: float) -> Outcome | Exception:
-    """The first cycles of a scenario at a step, or what kept them from being started."""
+    """Outcome of the first cycles of a scenario at a step, or the error at its start."""
     grid = plan.grid
     span = CYCLES / plan.frequency if plan.frequency else 0.1 * (grid.stop - grid.start)
     stop = min(grid.stop, grid.start + span)

@@ -1,4 +1,4 @@
-"""A unit in its place: how its inputs are gathered, and what it tells."""
+"""An instance in its place in a system: how its inputs are gathered and its outputs are read."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Indices = NDArray[np.intp]
 
 
 class CoupledInstance:
-    """A unit with its stretch of the system's values and the way its inputs come about.
+    """An instance with its stretch of the system's values and the sources of its inputs.
 
-    `buffer` holds all inputs that the unit is given: first the wired ones (`inputs`, from the
-    places `sources` of the system's values), then the held ones (`held`: name to place).
+    `buffer` holds all inputs that are sent to the instance: first the wired ones (`inputs`, from
+    the places `sources` of the system's values), then the held ones (`held`: name to place).
     `arriving` are the connections behind the wired ones. `plain` are those wired inputs that
-    arrive as bare real numbers, without a law. `direct` says that some output in use follows
+    arrive as bare real numbers, without a law. `direct` is true where an output in use follows
     an input without a step between.
     """
 
@@ -53,24 +53,24 @@ class CoupledInstance:
         return self._gain, self._offset
 
     def gather(self) -> None:
-        """Bring the inputs up to date with what the others put out, and pass them on."""
+        """Bring the inputs up to date with the outputs of the others, and send them."""
         for target, source in self.moves:
             target[:] = source
-        self._pass_on()
+        self._send()
 
     def gather_from(self, arriving: Values) -> None:
-        """Pass on these wired values, as their sources put them out."""
+        """Send these wired values, given as their sources put them out."""
         self.inputs[:] = arriving
-        self._pass_on()
+        self._send()
 
-    def _pass_on(self) -> None:
+    def _send(self) -> None:
         if self._gain is not None and self._offset is not None:
             np.multiply(self.inputs, self._gain, out=self.inputs)
             np.add(self.inputs, self._offset, out=self.inputs)
         self.instance.send()
 
     def advance(self, time: float, size: float) -> None:
-        """Gather, step, and read what units later in the order need."""
+        """Gather, step, and read what instances later in the execution order need."""
         self.gather()
         self.instance.step(time, size)
         self.instance.receive(0)
@@ -82,7 +82,7 @@ class CoupledInstance:
 
 
 def _plain(arriving: list[Connection]) -> Indices:
-    """Places of the wired inputs that come as bare real numbers.
+    """Places of the wired inputs that arrive as bare real numbers.
 
     An input belongs to a law where any member of its port that is wired with it has an order
     above zero.

@@ -1,11 +1,11 @@
 """Energy audit: what each coupling creates or loses, and whether it feeds a growth.
 
-A unit that steps with what another said of itself does work with a force that is not quite the
-other's force. Over a step the coupling creates the integral of that difference times the
-receiver's velocity: energy that neither unit has given. Mechanical couplings are watched, at
-the communication points; the electrical ones hand over a charge that one unit owns, and what
-their laws miss moves the voltage, not the energy. Units whose outputs follow their inputs
-directly are taken to have no state behind them.
+An instance that steps with values of another from the last communication point does work with a
+force that is not quite the other's force. Over a step the coupling creates the integral of that
+difference times the receiver's velocity: energy that neither instance has given. Mechanical
+couplings are watched, at the communication points; the electrical ones pass a charge that one
+instance owns, and what their laws miss moves the voltage, not the energy. Instances whose outputs
+follow their inputs directly are taken to have no state.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ GROWTH = math.log(100.0)
 RISE = math.exp(0.75 * GROWTH)
 """Growth from the first to the last quarter of a span in which exchange grows by `GROWTH`."""
 POWER = 9.0
-"""Growth as this power of the time since the exchange began is that of a start, not of a fault."""
+"""A growth as this power of the time since the exchange began is a start from rest, not a fault."""
 EVEN = 0.6
 FED = 2e-3
 FAINT = 1e-25
@@ -52,13 +52,13 @@ LAWS: dict[str, tuple[Law, str]] = {
 
 @dataclass
 class Coupling:
-    """One way of a power coupling: an effort that a receiver uses, and its own flow.
+    """One direction of a power coupling: an effort that a receiver uses, and the receiver's flow.
 
     Without a law the effort was one number over the step, and Simpson's rule with the effort's
-    parabola gives the work of the difference; with one the difference grows from the law's
+    parabola gives the work of the difference; with a law the difference grows from the law's
     reference as a power of time, and `share` of its end value is the mean. `created` is
-    energy that the coupling has made (lost where negative) and `exchanged` the integral of
-    the power's magnitude [J]; `age` counts the steps since there was any.
+    energy that the coupling has created (lost where negative) and `exchanged` the integral of
+    the power's magnitude [J]; `age` counts the steps since there was any exchange.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Coupling:
     motion: dict[str, float] = field(default_factory=dict)
 
     def begin(self, system: System, time: float) -> None:
-        """Note where a run starts."""
+        """Note the state at which a run starts."""
         values = system.values
         effort = float(values[self.effort]) * self.scale
         self.last = (time, effort, float(values[self.flow]), effort)
@@ -114,7 +114,7 @@ class Coupling:
 
 
 class Audit:
-    """Watches all power couplings of a system; stops a run that lives on what they create."""
+    """Watches all power couplings of a system; stops a run whose growth they feed."""
 
     def __init__(self, system: System) -> None:
         self.couplings = list(_found(system))
@@ -153,9 +153,9 @@ def _fed(history: list[tuple[float, float]], age: int) -> int:
     """Steps over which exchange has grown a hundredfold, evenly, on created energy; else 0.
 
     Four quarters whose logarithms grow alike, and most of all that was ever exchanged in
-    them, tell an exponential from a swing through zero; growing by more than the `POWER` of the
-    steps since the exchange began (`age`) tells it from a start from rest, over brief spans.
-    A growth that the units themselves feed (flutter, pull-in) is not the coupling's.
+    them, distinguish an exponential from a swing through zero; over brief spans a growth by more
+    than the `POWER` of the steps since the exchange began (`age`) distinguishes it from a start
+    from rest. A growth that the instances themselves feed (flutter, pull-in) is not counted.
     """
     for span in SPANS:
         if len(history) <= span:
@@ -182,7 +182,7 @@ def _fed(history: list[tuple[float, float]], age: int) -> int:
 
 
 def _found(system: System) -> Iterator[Coupling]:
-    """Couplings of which both ways are wired and the units make a power."""
+    """Couplings that are wired both ways and whose units of measure make a power."""
     plan = system.plan
     for c in plan.connections:
         if c.input.order or not c.input.real:
@@ -227,7 +227,7 @@ def _coupling(
 
 
 def _arriving(plan: Plan, place: dict[str, int], target: str) -> list[Connection]:
-    """Connections into a unit in the order of its inputs."""
+    """Connections into an instance, in the order of its inputs."""
     arriving = [c for c in plan.connections if c.target == target]
     return sorted(arriving, key=lambda c: place[f"{c.source}.{c.output.name}"])
 

@@ -1,4 +1,4 @@
-"""A unit with faults injected: it fails, or tells its outputs wrongly."""
+"""An instance with faults injected: it drops out, or its outputs are falsified."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ GRAIN = 1e-12
 
 
 class FaultyInstance(Instance):
-    """Another unit, with what its faults make of it; everything else is passed on."""
+    """A wrapped instance and its faults; calls that no fault concerns are passed on unchanged."""
 
     def __init__(self, instance: Instance, faults: Sequence[Fault]) -> None:
         super().__init__(instance.name, instance.interface)
         self._instance = instance
         self._drops = [fault for fault in faults if fault.kind == "drop"]
-        self._told = [fault for fault in faults if fault.kind != "drop"]
+        self._falsified = [fault for fault in faults if fault.kind != "drop"]
         self._places: list[list[int]] = []
         self._time = 0.0
 
     @property
     def messages(self) -> list[str]:
-        """What the unit behind has said."""
+        """Log messages of the wrapped instance."""
         return self._instance.messages
 
     def prepare(
         self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
     ) -> None:
-        """Pass on, and note where time starts."""
+        """Pass on, and note the start time."""
         self._time = time
         self._instance.prepare(start, time, stop, tolerance)
 
@@ -47,13 +47,14 @@ class FaultyInstance(Instance):
         outputs: list[list[Variable]],
         output_values: Values,
     ) -> None:
-        """Pass on, with a buffer of its own in which the unit tells the truth."""
+        """Pass on, with a separate buffer for the true outputs."""
         self._output = output_values
         self._true = np.zeros_like(output_values)
         names = [variable.name for group in outputs for variable in group]
         self._ends = np.cumsum([len(group) for group in outputs]).tolist()
         self._places = [
-            [k for k, name in enumerate(names) if name in fault.variables] for fault in self._told
+            [k for k, name in enumerate(names) if name in fault.variables]
+            for fault in self._falsified
         ]
         self._frozen = np.zeros_like(output_values)
         self._instance.connect(inputs, input_values, outputs, self._true)
@@ -76,7 +77,7 @@ class FaultyInstance(Instance):
         self._instance.send()
 
     def step(self, time: float, size: float) -> None:
-        """Step the unit, unless it has dropped out by the end of this step."""
+        """Step the instance, unless it has dropped out by the end of this step."""
         for fault in self._drops:
             if fault.begin < time + size - GRAIN and time < fault.end - GRAIN:
                 raise InstanceFailure(
@@ -88,11 +89,11 @@ class FaultyInstance(Instance):
         self.steps, self.rollbacks = self._instance.steps, self._instance.rollbacks
 
     def receive(self, group: int = -1) -> None:
-        """Read the outputs, then tell them as the faults of this time have it."""
+        """Read the outputs, then falsify those that have a fault at this time."""
         self._instance.receive(group)
         end = self._ends[group]
         self._output[:end] = self._true[:end]
-        for fault, places in zip(self._told, self._places, strict=True):
+        for fault, places in zip(self._falsified, self._places, strict=True):
             now = fault.begin - GRAIN <= self._time < fault.end - GRAIN
             for k in (k for k in places if k < end):
                 if not now:
@@ -111,7 +112,7 @@ class FaultyInstance(Instance):
         self._instance.set(start)
 
     def save(self) -> Any:
-        """State of the unit, the time, and what is frozen."""
+        """State of the instance, the time, and the frozen outputs."""
         return self._instance.save(), self._time, self._frozen.copy()
 
     def restore(self, state: Any) -> None:
@@ -126,7 +127,7 @@ class FaultyInstance(Instance):
         self._instance.forget(state[0])
 
     def close(self) -> None:
-        """End the unit."""
+        """Free the instance."""
         self._instance.close()
 
 

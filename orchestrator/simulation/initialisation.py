@@ -1,4 +1,4 @@
-"""Values that depend on each other without a step between: passed round, else solved for."""
+"""Consistent values of a loop without a step between: by fixed-point passes, else by Newton."""
 
 from __future__ import annotations
 
@@ -8,17 +8,20 @@ import numpy as np
 
 from .coupled_instance import CoupledInstance, Indices, Values
 
-SETTLED = 1e-12
+UNCHANGED = 1e-12
 SOLVED = 1e-10
 TRUSTED = 1e-8
-"""What Newton's method would still correct of a solution, at most, relative."""
+"""Largest correction that Newton's method would still make to a solution, relative."""
 MOST_PASSES = 50
 MOST_NEWTON = 12
 TINY = 1e-30
 
 
-class Unsettled(Exception):
-    """Neither way came to an end: the place of the worst value, and by how much it moves."""
+class InconsistentValues(Exception):
+    """Neither passes nor Newton's method converged.
+
+    `place` is that of the value that changed most in the last pass, `change` by how much.
+    """
 
     def __init__(self, place: int, change: float) -> None:
         super().__init__(place, change)
@@ -26,12 +29,12 @@ class Unsettled(Exception):
         self.change = change
 
 
-def settle(instances: Sequence[CoupledInstance], values: Values, wired: Indices) -> float:
-    """Bring all outputs and inputs of `members` into agreement; the residual left, relative.
+def make_consistent(instances: Sequence[CoupledInstance], values: Values, wired: Indices) -> float:
+    """Bring all outputs and inputs of `instances` into agreement; return the relative residual.
 
     Fixed-point passes first, which end at once where there is no loop; where these do not
     contract, Newton's method on the wired values with a Jacobian by differences. Raises
-    `Unsettled` where that fails too.
+    `InconsistentValues` where that fails too.
     """
     change = np.zeros(len(values))
     start = values.copy()
@@ -44,19 +47,19 @@ def settle(instances: Sequence[CoupledInstance], values: Values, wired: Indices)
             scale = np.maximum(TINY, np.abs(values))
             if not np.all(np.isfinite(values)):
                 break
-            if np.all(change <= SETTLED * scale):
+            if np.all(change <= UNCHANGED * scale):
                 return float((change / scale).max(initial=0.0))
         worst = int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
         values[:] = start
         residual = _newton(instances, values, _own(instances, wired))
     if residual is None:
         values[:] = start
-        raise Unsettled(worst, float(change[worst]))
+        raise InconsistentValues(worst, float(change[worst]))
     return residual
 
 
 def _own(instances: Sequence[CoupledInstance], wired: Indices) -> Indices:
-    """Those wired places that are outputs of these members."""
+    """Those wired places that are outputs of these instances."""
     ours = [(wired >= m.stretch.start) & (wired < m.stretch.stop) for m in instances]
     return np.asarray(wired[np.any(ours, axis=0)])
 
@@ -64,7 +67,7 @@ def _own(instances: Sequence[CoupledInstance], wired: Indices) -> Indices:
 def _passed(
     instances: Sequence[CoupledInstance], values: Values, wired: Indices, guess: Values
 ) -> Values:
-    """What the wired outputs become when the inputs are made from a guess of them."""
+    """Values of the wired outputs once the inputs are made from a guess of them."""
     values[wired] = guess
     for coupled in instances:
         coupled.gather()
@@ -74,10 +77,10 @@ def _passed(
 
 
 def _newton(instances: Sequence[CoupledInstance], values: Values, wired: Indices) -> float | None:
-    """Relative residual once z = G(z) is solved for; None where it is not.
+    """Relative residual once z = G(z) is solved; None where it cannot be.
 
-    A small residual alone proves nothing: where nothing solves the loop, as in z = z + 1, it is
-    small beside any large z. What Newton would still correct has to be small as well.
+    A small residual alone proves nothing: where the loop has no solution, as in z = z + 1, it is
+    small beside any large z. The next correction of Newton's method has to be small as well.
     """
     guess = values[wired].copy()
     slope: Values | None = None

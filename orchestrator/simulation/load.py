@@ -28,21 +28,21 @@ def load(
 
 
 def planned(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
-    """Checked plan of a scenario that stands in a file at `path`, its master able to step it."""
+    """Checked plan of a scenario from a file at `path`, whose master is able to step it."""
     plan = check(scenario, path, library)
     if scenario.time.step == AUTO and not _unsuited(plan):
-        from .auto_step import advised
+        from .auto_step import automatic_step
 
-        advice = advised(plan)
-        time = scenario.time.model_copy(update={"step": advice.step})
+        found = automatic_step(plan)
+        time = scenario.time.model_copy(update={"step": found.step})
         plan = check(scenario.model_copy(update={"time": time}), path, library)
-        plan = replace(plan, advice=str(advice))
+        plan = replace(plan, step_reason=str(found))
     _unsuited(plan).check()
     return plan
 
 
 def _unsuited(plan: Plan) -> Problems:
-    """What the chosen master cannot do with these units, or does not know."""
+    """What the chosen master cannot do with these instances, and keys that it does not know."""
     settings = plan.scenario.master
     problems = Problems(plan.path)
     try:

@@ -1,30 +1,119 @@
-"""What watches a run and never changes it: the recorder, the guard, the progress bar."""
+"""What observes a run and never changes it: a user's observers, the recorder, the guard, the bar.
+
+The run calls each :class:`Watcher` with the whole system. What a user gives to `run` is an
+:class:`Observer`; :class:`Observed` is the one place where it meets the system.
+"""
 
 from __future__ import annotations
 
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
 from time import perf_counter
+from types import MappingProxyType
 from typing import NoReturn, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Divergence
+from ..errors import Divergence, InputError, ObserverError
+from ..fmi.description import Variable
 from ..results.segments import Segments
+from ..scenario.plan import Plan
 from .system import System
+from .view import View
 
 Values = NDArray[np.float64]
 
 
 class Observer(Protocol):
+    """Observes a run that it is given to, as `run(plan, observers=[...])`.
+
+    Subclass it and write `sample`; a class with both methods does as well. Observers are called
+    one after the other, in the order of the list, in the process of the master.
+
+    An observer reads. The view has no way to the instances, so the rows of a run are the same
+    bits with and without observers. An exception ends the run: the outcome carries it as an
+    :class:`~orchestrator.errors.ObserverError` that names the observer, and keeps the rows up to
+    and including the communication point at which it came.
+    """
+
+    def start(self, plan: Plan, variables: Mapping[str, Variable]) -> None:
+        """Called once, after the instances have been initialised and before the first `sample`.
+
+        `variables` describes what the view will hold: `component.variable` to its unit of
+        measure and description. Does nothing where it is not overridden.
+        """
+
+    @abstractmethod
+    def sample(self, view: View) -> None:
+        """Called at the start, then at each communication point, when the values hold there.
+
+        On a grid these are its points, whatever `record.every` and `record.last` keep; steps that
+        are cut at an event or a timed action end at the grid's point. With a tolerance they are
+        the ends of accepted steps: no attempt that was rejected is ever seen. The second run of an
+        error estimate is not observed. Where a value leaves its bounds the run has stopped before.
+        """
+
+
+class Watcher(Protocol):
     """Called with the system at each communication point, after the values hold there."""
 
     def sample(self, system: System, step: int, time: float) -> None: ...
 
 
+def check_observers(observers: Sequence[Observer]) -> None:
+    """Refuse what is not a list of observers, before anything is loaded; `InputError`."""
+    if not isinstance(observers, Sequence):
+        raise InputError(
+            f"observers: expected a list of observers, got one {type(observers).__name__};"
+            " write observers=[...]"
+        )
+    for index, observer in enumerate(observers):
+        lacking = [n for n in ("start", "sample") if not callable(getattr(observer, n, None))]
+        if lacking or isinstance(observer, type):
+            what = observer.__name__ if isinstance(observer, type) else type(observer).__name__
+            why = "is a class; give an instance of it"
+            if lacking:
+                why = f"has no method {' and no '.join(lacking)}; subclass orchestrator.Observer"
+            raise InputError(f"observers[{index}]: {what} {why}")
+
+
+class Observed:
+    """A user's observers as one watcher: they get a view in the place of the system."""
+
+    def __init__(self, system: System, observers: Sequence[Observer]) -> None:
+        self._observers = list(observers)
+        self._view = View(system)
+        variables = dict(zip(system.names, system.variables, strict=True))
+        self._variables = MappingProxyType(variables)
+
+    def sample(self, system: System, step: int, time: float) -> None:
+        self._view._move(step, time)
+        if step == 0:
+            for index, observer in enumerate(self._observers):
+                try:
+                    observer.start(system.plan, self._variables)
+                except Exception as error:
+                    raise self._failed(index, "start", error) from error
+        for index, observer in enumerate(self._observers):
+            try:
+                observer.sample(self._view)
+            except Exception as error:
+                raise self._failed(index, "sample", error) from error
+
+    def _failed(self, index: int, method: str, error: Exception) -> ObserverError:
+        """The error that names the observer, the time and what it raised."""
+        text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+        return ObserverError(
+            f"observers[{index}] ({type(self._observers[index]).__name__}): {method} raised"
+            f" {type(error).__name__} at t = {self._view.time:.9g} s: {text}"
+        )
+
+
 class Recorder:
     """Rows of the recorded values, each stamped with the time at which it holds.
 
-    With somewhere to put them, rows leave memory in closed segments: when `SEGMENT` bytes
+    With `segments`, rows are moved from memory to disk in closed segments: when `SEGMENT` bytes
     are full, and at the latest every `PATIENCE` seconds.
     """
 
@@ -103,10 +192,10 @@ class Recorder:
 class Guard:
     """Stops a run whose values have ceased to mean anything.
 
-    At every point: NaN, infinity, and what leaves the bounds that its FMU declares (1e100
-    where it declares none). With `growth`, which asks for equal steps, every `WINDOW` points: a
-    wired value whose peak has at least doubled in `WINDOWS` windows on end, which no
-    vibration that settles does, however it starts (a growth as t^n doubles over eight
+    It looks at every point for NaN, infinity, and values outside the bounds that their FMU
+    declares (1e100 where it declares none). With `growth`, which needs equal steps, it looks every
+    `WINDOW` points for a wired value whose peak has at least doubled in `WINDOWS` windows in a row.
+    No vibration that settles does that, however it starts (a growth as t^n doubles over eight
     windows only for n above 5).
     """
 
@@ -140,7 +229,7 @@ class Guard:
             self._compare(system, time)
 
     def _compare(self, system: System, time: float) -> None:
-        """Close a window: count on where the peak has doubled, start again elsewhere."""
+        """Close a window: add to the count where the peak has doubled, reset it elsewhere."""
         doubled = (self.peak >= 2.0 * self.previous) & (self.previous > 0.0)
         self.growing[:] = np.where(doubled & self.wired, self.growing + 1, 0)
         if (self.growing >= self.WINDOWS).any():
@@ -176,10 +265,10 @@ class Guard:
 
 
 def _last_message(system: System, name: str) -> str:
-    """The last thing the unit behind a value said, or `none`."""
+    """The last message that the instance of a value has logged, or `none`."""
     instance = name.partition(".")[0]
-    said = [m.instance.messages for m in system.instances if m.instance.name == instance]
-    return said[0][-1] if said and said[0] else "none"
+    logs = [m.instance.messages for m in system.instances if m.instance.name == instance]
+    return logs[0][-1] if logs and logs[0] else "none"
 
 
 class Progress:

@@ -1,8 +1,8 @@
-"""What a port's law says at a point: the conventions of docs/coupling.md, seen from outside.
+"""The value of a port's law at a point, by the conventions of docs/coupling.md.
 
 Each function takes the members of a port by name, as a receiver has them on its inputs, and
 the receiver's own motion or voltage; members that are not wired count as zero, and a law without
-a reference time as present.
+a reference time as sampled at the present time.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def force(m: Members, back: Members, time: float) -> float:
 
 
 def torque(m: Members, back: Members, time: float) -> float:
-    """T = torque + D(w) - D(w0), D = -(c + c' (w - w0)) w |w| [N m]; added inertia apart."""
+    """T = torque + D(w) - D(w0), D = -(c + c' (w - w0)) w |w| [N m]; without added inertia."""
     del time
     w, w0 = back.get("flap_rate", 0.0), m.get("reference_rate", 0.0)
     c = m.get("quadratic_drag", 0.0)

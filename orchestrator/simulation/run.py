@@ -16,11 +16,19 @@ from ..results.error_estimate import halved
 from ..results.outcome import Outcome, whole
 from ..results.segments import Segments
 from ..scenario.plan import Plan
-from .compiled.drive import drive, unsuited
+from .compiled.drive import drive, drive_controlled, unsuited
 from .energy_audit import Audit
 from .interrupt import Interrupt, Interrupted
 from .masters import Master, master_class
-from .observers import Guard, Observer, Progress, Recorder
+from .observers import (
+    Guard,
+    Observed,
+    Observer,
+    Progress,
+    Recorder,
+    Watcher,
+    check_observers,
+)
 from .step_control import adaptive
 from .stepper import Stepper
 from .system import System
@@ -36,15 +44,22 @@ def run(
     interrupt: Interrupt | None = None,
     segments: Segments | None = None,
     estimate: bool | None = None,
+    observers: Sequence[Observer] = (),
 ) -> Outcome:
-    """Load the units of a plan, step them through its time span, and free them.
+    """Load the instances of a plan, step them through its time span, and free them.
 
     Steps are those of the scenario's grid, or with a tolerance of the size that it asks for. With
     `estimate`, by default where there is a tolerance, the outcome carries estimated errors.
-    A failure in mid-run does not raise: the outcome carries it beside what was recorded.
-    `segments` takes the rows of a long run off memory.
+    A failure in mid-run does not raise: the outcome carries it beside what was recorded, and its
+    `checked` raises it.
+    `segments` takes the rows of a long run off memory. `observers` are called at each
+    communication point, see :class:`~orchestrator.simulation.observers.Observer`; one that raises
+    ends the run as a failure in mid-run. Raises `InputError` where one has not their methods.
     """
-    outcome = _stepped(plan, None, progress=progress, interrupt=interrupt, segments=segments)
+    check_observers(observers)
+    outcome = _stepped(
+        plan, None, progress=progress, interrupt=interrupt, segments=segments, observers=observers
+    )
     wanted = plan.scenario.time.tolerance is not None if estimate is None else estimate
     if not wanted or outcome.failure is not None:
         return outcome
@@ -61,18 +76,18 @@ def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcom
 
     The scenario is run again with half of each communication step; see
     :func:`orchestrator.results.error_estimate.estimate`. Where that run fails the outcome stays
-    without estimates, and says why.
+    without estimates, and `doubt` is the reason.
     """
     if outcome.plan.fixed_step:
         fixed = ", ".join(outcome.plan.fixed_step)
-        return replace(outcome, doubt=f"{fixed} takes steps of one size only")
+        return replace(outcome, doubt=f"{fixed} can only take steps of one size")
     if outcome.kept * len(outcome.names) > MOST_HELD:
         return replace(outcome, doubt="the run is too long to be held in memory; see record.last")
     times, held = whole(outcome)
     try:
         again = _stepped(outcome.plan, halved(outcome.points), interrupt=interrupt)
     except ResilinError as error:
-        return replace(outcome, doubt=f"a second time: {error}")
+        return replace(outcome, doubt=f"the second run, at half the step, fails: {error}")
     if isinstance(again.failure, Interrupted):
         return replace(outcome, failure=again.failure)
     if again.failure is not None:
@@ -90,6 +105,7 @@ def _stepped(
     progress: bool = False,
     interrupt: Interrupt | None = None,
     segments: Segments | None = None,
+    observers: Sequence[Observer] = (),
 ) -> Outcome:
     with System(plan) as system:
         settings = plan.scenario.master
@@ -98,10 +114,12 @@ def _stepped(
         recorder = Recorder(system, plan.scenario.record.every, segments)
         bar = Progress(system) if progress else None
         even = tolerance is None and points is None
-        watching: list[Observer] = [Guard(system, growth=even), recorder]
+        watching: list[Watcher] = [Guard(system, growth=even), recorder]
         audit = Audit(system)
         if even and audit.couplings:
             watching.append(audit)
+        if observers:
+            watching.append(Observed(system, observers))
         if bar is not None:
             watching.append(bar)
         reason = unsuited(system, master, watching)
@@ -117,7 +135,8 @@ def _stepped(
                 else:
                     steps = drive(system, master, watching, interrupt, points)
             else:
-                taken, steps, rejected = adaptive(system, master, tolerance, watching, interrupt)
+                controlled = adaptive if reason else drive_controlled
+                taken, steps, rejected = controlled(system, master, tolerance, watching, interrupt)
         except (SimulationError, OutputError, Interrupted) as error:
             failure = error
             steps = max((m.instance.steps for m in system.instances), default=0)
@@ -142,14 +161,14 @@ def _stepped(
         rollbacks=rollbacks,
         residual=system.residual,
         segments=segments,
-        python_loop="step control" if tolerance is not None and points is None else reason,
+        python_loop=reason,
     )
 
 
 def _in_python(
     system: System,
     master: Master,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None,
     points: Sequence[float] | None,
 ) -> int:
@@ -160,7 +179,7 @@ def _in_python(
 
 
 class _GridPoints(Sequence[float]):
-    """Communication points of a grid, made when asked for."""
+    """Communication points of a grid, calculated on access."""
 
     def __init__(self, plan: Plan) -> None:
         self._grid = plan.grid
@@ -181,13 +200,13 @@ def _grid_points(plan: Plan) -> Sequence[float]:
 def advance(
     system: System,
     master: Master,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system through its grid; number of steps taken.
 
-    Time is start + k * step. What happens strictly between two points splits that step; rows
-    are kept at the points of the grid alone, so that they stay equidistant.
+    Time is start + k * step. A discontinuity or an action strictly between two points splits that
+    step; rows are recorded at the points of the grid alone, so that they stay equidistant.
     """
     grid = system.plan.grid
     stepper = Stepper(system, master)
@@ -207,7 +226,7 @@ def along(
     system: System,
     master: Master,
     points: Sequence[float],
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system over given communication points; number of steps taken."""

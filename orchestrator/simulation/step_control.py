@@ -13,7 +13,7 @@ from .coupled_instance import Indices, Values
 from .interrupt import Interrupt
 from .masters import Master
 from .masters.extrapolation import Past, combined, point_weights
-from .observers import Observer
+from .observers import Watcher
 from .stepper import Stepper
 from .system import System
 
@@ -28,22 +28,22 @@ MILNE = 1.0 / 6.0
 
 
 class Estimator(Protocol):
-    """Takes one step and says how wrong it is."""
+    """Takes one step and estimates its error."""
 
     rejects: bool
 
     def attempt(self, time: float, size: float) -> Values:
-        """Step from `time`; estimated local error of each coupling value."""
+        """Step from `time`; return the estimated local error of each coupling value."""
 
     def undo(self) -> None:
-        """Go back to before the last attempt, where `rejects`."""
+        """Go back to before the last attempt; only where `rejects` is true."""
 
     def accept(self) -> None:
         """Keep the last attempt."""
 
 
 class Doubling:
-    """The same step once whole and once in halves, from one saved state; the halves are kept."""
+    """Takes a step whole and then in halves, from one saved state; the halves are kept."""
 
     rejects = True
 
@@ -79,7 +79,7 @@ class Doubling:
 
 
 class Foresight:
-    """What a parabola through the last points foresaw against what came; needs no rollback."""
+    """Compares a step with a parabola through the points before it; needs no rollback."""
 
     rejects = False
 
@@ -96,17 +96,17 @@ class Foresight:
         self._stepper.master.advance(time, size)
         self._stepper.steps += 1
         self.points = [end]
-        seen = combined(point_weights(past.times, end, size), past.values)
-        return MILNE * np.abs(seen - values[self._columns])
+        foreseen = combined(point_weights(past.times, end, size), past.values)
+        return MILNE * np.abs(foreseen - values[self._columns])
 
     def undo(self) -> None:
         raise NotImplementedError
 
     def accept(self) -> None:
-        """Nothing is saved, nothing to free."""
+        """Do nothing: no state is saved."""
 
     def interrupt(self) -> None:
-        """A discontinuity lies between: what was seen before it says nothing of after."""
+        """Forget the points before a discontinuity: they predict nothing after it."""
         self._past.forget()
 
 
@@ -114,7 +114,7 @@ def adaptive(
     system: System,
     master: Master,
     tolerance: float,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
 ) -> tuple[list[float], int, int]:
     """Step a system through its time span; communication points, steps, and rejections.
@@ -122,15 +122,15 @@ def adaptive(
     The local error of a step, relative to the largest value seen, may use up its share of
     the tolerance: step over the time in which errors add up, `MEMORY` cycles or the whole
     run. A PI controller (Gustafsson 1991) sets the next step; a step that misses by more is
-    taken again, shorter, where all units roll back. Steps end at discontinuities.
+    taken again, shorter, where all instances roll back. Steps end at discontinuities.
     """
     plan = system.plan
     grid = plan.grid
     stepper = Stepper(system, master)
-    columns = _columns(system)
+    columns = coupling_columns(system)
     able = all(known.rollback for known in plan.interfaces.values())
     estimator = Doubling(stepper, columns) if able else Foresight(stepper, columns)
-    control = _Control(system, tolerance)
+    control = Control(system, tolerance)
     scale = np.abs(system.values[columns])
     time, points, rejected = grid.start, [grid.start], 0
     size = grid.step if able else 0.1 * grid.step
@@ -167,8 +167,8 @@ def adaptive(
     return points, stepper.steps, rejected
 
 
-def _columns(system: System) -> Indices:
-    """Places of the wired real values that are no members of laws."""
+def coupling_columns(system: System) -> Indices:
+    """Places of the wired real values that are not members of laws."""
     plan = system.plan
     used = {f"{c.source}.{c.output.name}" for c in plan.connections if not c.output.order}
     chosen = [k for k in system.wired if system.names[k] in used and system.variables[k].real]
@@ -176,15 +176,15 @@ def _columns(system: System) -> Indices:
 
 
 def _end(time: float, size: float, latest: float) -> float:
-    """End of a step of about `size`; no crumb is left before `latest`."""
+    """End of a step of about `size`; no tiny step is left over before `latest`."""
     left = latest - time
     if left <= 1.01 * size:
         return latest
     return time + (0.5 * left if left < 2.0 * size else size)
 
 
-class _Control:
-    """PI control of the step from relative errors per step."""
+class Control:
+    """PI control of the step size from the relative error of each step."""
 
     def __init__(self, system: System, tolerance: float) -> None:
         grid, frequency = system.plan.grid, system.plan.frequency

@@ -1,4 +1,4 @@
-"""From one communication point to the next, cut where something happens in between."""
+"""From one communication point to the next, cut at discontinuities and timed actions."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from .masters import Master
 from .system import System
 
 MERGED = 1e-6
-"""What happens closer than this fraction of a step to a communication point is not cut out."""
+"""Events closer than this fraction of a step to a communication point do not cut the step."""
 
 
 class Stepper:
     """Steps a system with a master, never across a discontinuity or a timed action.
 
-    Units announce discontinuities through `next_event_time`. Where some unit takes steps of
+    Instances announce discontinuities through `next_event_time`. Where some instance takes steps of
     one size only nothing is cut: discontinuities are stepped over, and actions take effect
     at the next communication point. `steps` counts calls of the master.
     """
@@ -35,13 +35,13 @@ class Stepper:
         return self._actions[0].time if self._actions else inf
 
     def act(self, time: float) -> None:
-        """Carry out what is due at a communication point."""
+        """Carry out the actions that are due at a communication point."""
         while self._actions and self._actions[0].time <= time + self.margin:
             self.system.act(self._actions.pop(0))
             self.master.interrupt()
 
     def cut(self, time: float, end: float) -> float:
-        """Where a step from `time` has to end at the latest, `end` if nothing is between."""
+        """Latest end of a step from `time`: `end` if no event or action lies between."""
         if self.whole:
             return end
         stop = self.system.next_event()
@@ -50,7 +50,7 @@ class Stepper:
         return stop if time + self.margin < stop < end - self.margin else end
 
     def to(self, time: float, end: float, size: float) -> None:
-        """Go from `time` to `end`, at best in one step of `size`."""
+        """Go from `time` to `end`, in one step of `size` where nothing lies between."""
         if self.quiet:
             self.master.advance(time, size)
             self.steps += 1
@@ -64,14 +64,14 @@ class Stepper:
         self.step(time, end, size)
 
     def step(self, time: float, end: float, size: float) -> None:
-        """One step of the master, with nothing in between; then what is due at its end."""
+        """One step of the master without events inside; then carry out what is due at its end."""
         event = self.system.next_event()
         self.master.advance(time, size)
         self.steps += 1
         self.arrive(end, event)
 
     def arrive(self, end: float, event: float) -> None:
-        """What is due at a point that is reached for good; `event` is the last announced."""
+        """Carry out what is due at a point that is kept; `event` is the last announced."""
         if event <= end + self.margin:
             self.master.interrupt()
         if self._actions:

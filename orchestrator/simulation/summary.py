@@ -1,4 +1,4 @@
-"""What a run tells beside its metrics: estimated errors, energies of couplings, warnings."""
+"""What is reported of a run beside its metrics: estimated errors, energies, warnings."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def errors(outcome: Outcome) -> Table:
-    """Estimated error of each coupling value: those that are wired and no members of laws."""
+    """Estimated error of each coupling value: those that are wired and not members of laws."""
     from rich.table import Table
 
     plan = outcome.plan
@@ -30,7 +30,7 @@ def errors(outcome: Outcome) -> Table:
 
 
 def couplings(outcome: Outcome) -> Table:
-    """Energy that each power coupling has created or lost, and by the energy exchanged."""
+    """Energy that each power coupling has created or lost, and its share of the exchanged."""
     from rich.table import Table
 
     frequency = outcome.plan.frequency

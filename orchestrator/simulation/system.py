@@ -1,6 +1,6 @@
-"""Loaded units, wired: one buffer of inputs, one of outputs, and the moves between them.
+"""Loaded instances, wired: one buffer of inputs, one of outputs, and the moves between them.
 
-Each unit reads into and writes from its own stretch of two shared arrays, so that passing a
+Each instance reads into and writes from its own stretch of two shared arrays, so that passing a
 port is one slice assignment, recording a row one gather, and checking all values one call.
 """
 
@@ -23,12 +23,12 @@ from ..scenario.actions import Action
 from ..scenario.execution_order import reachable
 from ..scenario.plan import Plan
 from .coupled_instance import CoupledInstance, Indices, Values
-from .initialisation import Unsettled, settle
+from .initialisation import InconsistentValues, make_consistent
 
 
 @dataclass(frozen=True)
 class Moment:
-    """Everything that rolling back needs: FMU states, values, and held inputs."""
+    """Everything that a rollback needs: FMU states, values, and held inputs."""
 
     states: list[Any]
     values: Values
@@ -36,13 +36,13 @@ class Moment:
 
 
 class System:
-    """Units of a plan, loaded, connected and initialised; a context manager.
+    """Instances of a plan, loaded, connected and initialised; a context manager.
 
     `values` holds all outputs that are wired, recorded or announce events, named by `names`;
-    `wired` are the places of those that are wired. `members` stand in the order of the plan;
-    `followers` are those whose outputs follow their inputs directly, in dependency order:
-    after a step they are brought up to the new communication point. `residual` is what was
-    left of the initial conditions, relative.
+    `wired` are the places of those that are wired. `instances` are in the execution order of the
+    plan; `followers` are those whose outputs follow their inputs directly, in dependency order:
+    after a step they are brought up to the new communication point. `residual` is the relative
+    residual of the initial values.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -82,12 +82,12 @@ class System:
         self._stack.close()
 
     def next_event(self) -> float:
-        """Time of the next discontinuity that a unit announces; infinity without one."""
+        """Time of the next discontinuity that an instance announces; infinity without one."""
         return min((float(self.values[i]) for i in self.events), default=np.inf)
 
     @property
     def announces(self) -> bool:
-        """Whether any unit announces discontinuities."""
+        """Whether any instance announces discontinuities."""
         return bool(self.events)
 
     def follow(self) -> None:
@@ -96,15 +96,15 @@ class System:
             coupled.follow()
         if self.loop:
             try:
-                settle(self.followers, self.values, self.wired)
-            except Unsettled as error:
+                make_consistent(self.followers, self.values, self.wired)
+            except InconsistentValues as error:
                 raise SimulationError(
                     f"{self.names[error.place]} is in an algebraic loop that does not settle:"
                     f" still changing by {error.change:.2g}"
                 ) from None
 
     def save(self) -> Moment:
-        """All there is at this communication point; to be given to `restore` and `forget`."""
+        """The whole state at this communication point, for `restore` and `forget`."""
         states = [coupled.instance.save() for coupled in self.instances]
         return Moment(states, self.values.copy(), [m.buffer.copy() for m in self.instances])
 
@@ -123,7 +123,7 @@ class System:
             coupled.instance.forget(state)
 
     def act(self, action: Action) -> None:
-        """Give a unit the values of a timed action, and the others what follows from it."""
+        """Set the values of a timed action, then update all outputs that follow from them."""
         coupled = next(m for m in self.instances if m.instance.name == action.component)
         parameters = {}
         for name, value in action.values.items():
@@ -152,7 +152,7 @@ class System:
         self._initialise()
 
     def _opened(self, name: str, folders: dict[Path, Path]) -> Instance:
-        """Unit of a component; `folders` are those of the FMUs unpacked so far."""
+        """Instance of a component; `folders` holds those of the FMUs unpacked so far."""
         plan = self.plan
         if name in plan.recordings:
             from ..recording.instance import RecordingInstance
@@ -173,7 +173,7 @@ class System:
         except OSError as error:
             raise FmuError(
                 f"{path}: no folder for temporary files in {tempfile.tempdir}"
-                f" ({error.strerror}); set TMPDIR to one that is there and writable"
+                f" ({error.strerror}); set TMPDIR to one that exists and is writable"
             ) from None
         folder = Path(self._stack.enter_context(made))
         if "%" in str(folder):
@@ -182,7 +182,7 @@ class System:
         return folder
 
     def _connect(self, instances: dict[str, Instance]) -> None:
-        """Lay out both buffers and bind every unit to its stretch of them."""
+        """Lay out both buffers and bind every instance to its stretch of them."""
         plan = self.plan
         groups = {name: self._groups(name) for name in plan.order}
         place: dict[tuple[str, str], int] = {}
@@ -224,7 +224,7 @@ class System:
         self._find_followers()
 
     def _groups(self, name: str) -> list[list[Variable]]:
-        """Outputs of a unit to be read: those needed by later units, then all others used."""
+        """Outputs of an instance that are read: those that later instances need, then others."""
         plan = self.plan
         later = set(plan.order[plan.order.index(name) :])
         leaving = [c for c in plan.connections if c.source == name]
@@ -239,7 +239,7 @@ class System:
         ]
 
     def _find_followers(self) -> None:
-        """Members with a used output that follows a wired input directly, sources first."""
+        """Find instances with a used output that follows a wired input directly, sources first."""
         plan = self.plan
         wired = {(c.target, c.input.name): c for c in plan.connections}
         direct: dict[str, set[str]] = {}
@@ -269,7 +269,7 @@ class System:
                 coupled.instance.read_whole_at_once()
 
     def _initialise(self) -> None:
-        """Initialisation mode of all units, with values passed until nothing changes."""
+        """Initialisation mode of all instances, with values passed until nothing changes."""
         grid = self.plan.grid
         tolerance = self.plan.scenario.time.tolerance
         for coupled in self.instances:
@@ -280,23 +280,23 @@ class System:
         for coupled in self.instances:
             coupled.instance.receive()
         try:
-            self.residual = settle(self.instances, self.values, self.wired)
-        except Unsettled as error:
-            raise InitialisationError(self._unsettled(error)) from None
+            self.residual = make_consistent(self.instances, self.values, self.wired)
+        except InconsistentValues as error:
+            raise InitialisationError(self._inconsistent(error)) from None
         for coupled in self.instances:
             coupled.instance.exit_initialisation()
         for coupled in self.instances:
             coupled.follow()
 
-    def _unsettled(self, error: Unsettled) -> str:
-        """Why the start values do not go together: what a unit said, else the worst value."""
-        said = [
+    def _inconsistent(self, error: InconsistentValues) -> str:
+        """Why start values do not fit: the last message of an instance, else the worst value."""
+        logged = [
             f"{m.instance.name}: {text}"
             for m in self.instances
             for text in m.instance.messages[-1:]
         ]
-        if said:
-            return f"{self.plan.path}: {said[0]}"
+        if logged:
+            return f"{self.plan.path}: {logged[0]}"
         name, value = self.names[error.place], self.values[error.place]
         return (
             f"{self.plan.path}: {name} = {value:g} does not settle at the start (still changing"

@@ -1,1 +1,1 @@
-"""Studies: many runs of a scenario, and what they say together."""
+"""Studies: many runs of a scenario, and what follows from them together."""

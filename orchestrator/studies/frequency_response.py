@@ -1,8 +1,7 @@
-"""Frequency response of a linearised scenario as a picture."""
+"""Frequency response of a linearised scenario as a plot."""
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from ..errors import InputError, printable
 from ..report.image import save_figure
 from ..results.netcdf import netcdf_name
+from ..results.scenario_attribute import scenario_table
 from ..scenario.metric_expression import expression_of
 from ..simulation.linear.state_space import Linear
 
@@ -24,9 +24,9 @@ MOST = 8
 
 @dataclass(frozen=True)
 class Beside:
-    """A sweep of the nonlinear scenario over frequency: half its travels and strokes by `drive`.
+    """A sweep of the nonlinear scenario over frequency: half its travels and strokes by the drive.
 
-    `drive` is the amplitude of what drove it, in the unit of the linear input.
+    Amplitudes are divided by that of the drive, in the unit of the linear input.
     """
 
     frequencies: NDArray[np.float64]
@@ -36,14 +36,18 @@ class Beside:
 
 
 def beside(path: Path, drive: float) -> Beside:
-    """Read a sweep that `resilin sweep` has written over one parameter called frequency."""
+    """Read a sweep that `resilin sweep` has written over one parameter called frequency.
+
+    `drive` is the drive's amplitude in the unit of the linear input. Raises `InputError` where the
+    file cannot be read as such a sweep.
+    """
     import xarray
 
     try:
         with xarray.open_dataset(path) as data:
             axes = [str(c) for c in data.coords if str(c).rpartition(".")[2] == "frequency"]
             if len(axes) != 1:
-                raise InputError(f"{path}: is no sweep over one frequency")
+                raise InputError(f"{path}: is not a sweep over one frequency")
             swings, phase = _measured(data)
             found = {
                 output: 0.5 * np.asarray(data[metric], float) / drive
@@ -57,7 +61,9 @@ def beside(path: Path, drive: float) -> Beside:
 
 def _measured(data: xarray.Dataset) -> tuple[dict[str, str], str]:
     """Metrics of a sweep that are peak to peak values, by their output; and that of a phase."""
-    defined = json.loads(data.attrs["scenario"])["metrics"]
+    defined = scenario_table(data.attrs, "metrics")
+    if not defined:
+        raise ValueError("it carries no scenario with metrics")
     swings: dict[str, str] = {}
     phase = ""
     for name, text in defined.items():

@@ -1,4 +1,4 @@
-"""What the studies leave on disk: records for spreadsheets."""
+"""Records of studies on disk, for spreadsheets."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import Any
 from ..report.files import written_whole
 
 COMPUTED = ("=", "+", "-", "@", "\t")
-"""How a text begins that a spreadsheet would take for a formula."""
+"""First characters of texts that a spreadsheet would take for a formula."""
 
 
 def write_records(records: Sequence[Mapping[str, Any]], path: Path) -> Path:
-    """Records of the same keys as CSV, whole or not there; formulas are quoted away."""
+    """Write records of the same keys as CSV, whole or not at all; formulas are quoted."""
     with written_whole(path) as waiting, waiting.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(records[0]))
         writer.writeheader()

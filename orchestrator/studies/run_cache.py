@@ -1,4 +1,4 @@
-"""Answers of runs on disk, each whole or not there: what a second time and a resumed one need."""
+"""Answers of runs on disk, each whole or not there, for repeated and resumed studies."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class RunCache:
         self.folder = folder
 
     def prepare(self) -> None:
-        """Make the folder; `OutputError` where that cannot be."""
+        """Make the folder; `OutputError` where it cannot be made."""
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OutputError(f"{self.folder}: cannot be made ({error.strerror})") from None
 
     def read(self, key: str) -> Mapping[str, Any] | None:
-        """The answer under a key; None where there is none, or where its digest does not fit."""
+        """The answer of a key; None where there is none, or where its digest does not match."""
         try:
             content = json.loads(self.path(key).read_text(encoding="utf-8"))
             answer = content["answer"]
@@ -35,7 +35,7 @@ class RunCache:
             return None
 
     def write(self, key: str, answer: Mapping[str, Any]) -> None:
-        """Keep an answer; it survives a kill once this returns. `OutputError` where it cannot."""
+        """Write an answer, which survives a kill once this returns; else `OutputError`."""
         with written_whole(self.path(key), durable=True) as waiting:
             content = {"answer": answer, "sha256": _digest(answer)}
             waiting.write_text(json.dumps(content, separators=(",", ":")), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The plainest parallel master, straight over FMPy: what a Jacobi tool does, in thirty lines."""
+"""The plainest parallel master, directly on FMPy: what a Jacobi tool does, in few lines."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ ROUNDS = 8
 
 
 class Bare:
-    """Steps all units from the values of the last point, and reads what they put out.
+    """Steps all instances from the values of the last point, and reads their outputs.
 
-    With `again` it then hands the new values over and reads once more, so that outputs that
-    follow inputs directly hold at the new point, and settles them before the first step; our
-    `jacobi` does both. Without, what was read during the step stays, as in the other tools; `zeros`
-    are what some of these start every wired input with.
+    With `again` it then sets the new values and reads once more, so that outputs that follow
+    inputs directly hold at the new point, and does so before the first step too, until they are
+    consistent; our `jacobi` does both. Without it the values read after the step stay, as in the
+    other tools; with `zeros` every wired input starts from zero, as in some of these.
     """
 
     def __init__(self, case: Case, *, again: bool, zeros: bool = False) -> None:
@@ -33,60 +33,60 @@ class Bare:
     def run(self) -> list[float]:
         """Watched values at the end."""
         with ExitStack() as stack:
-            self.units = {c.name: self._opened(c, stack) for c in self.case.components}
+            self.slaves = {c.name: self._opened(c, stack) for c in self.case.components}
             self._initialise()
             for k in range(self.case.count):
-                for name, unit in self.units.items():
+                for name, slave in self.slaves.items():
                     if self.values:
                         self._give(name)
-                    unit.doStep(k * self.case.step, self.case.step)
+                    slave.doStep(k * self.case.step, self.case.step)
                 self._read()
-                for name in self.units if self.again else ():
+                for name in self.slaves if self.again else ():
                     self._give(name)
                     self._read(name)
             found = []
             for w in self.case.watched:
-                found.append(self.units[w.component].getReal([w.reference])[0])
+                found.append(self.slaves[w.component].getReal([w.reference])[0])
             return found
 
     def _opened(self, component: Any, stack: ExitStack) -> FMU2Slave:
         folder = stack.enter_context(TemporaryDirectory(prefix="bare_"))
         extract(component.path, folder)
-        said = read_model_description(component.path, validate=False)
-        unit = FMU2Slave(
-            guid=said.guid,
+        description = read_model_description(component.path, validate=False)
+        slave = FMU2Slave(
+            guid=description.guid,
             unzipDirectory=str(Path(folder)),
-            modelIdentifier=said.coSimulation.modelIdentifier,
+            modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName=component.name,
         )
-        unit.instantiate()
-        stack.callback(unit.freeInstance)
-        unit.setupExperiment(startTime=0.0)
+        slave.instantiate()
+        stack.callback(slave.freeInstance)
+        slave.setupExperiment(startTime=0.0)
         for start in component.starts:
-            unit.setReal([start.reference], [start.value])
-        return unit
+            slave.setReal([start.reference], [start.value])
+        return slave
 
     def _initialise(self) -> None:
-        for unit in self.units.values():
-            unit.enterInitializationMode()
+        for slave in self.slaves.values():
+            slave.enterInitializationMode()
         for _ in range(ROUNDS if self.again else 0):
-            for name in self.units:
+            for name in self.slaves:
                 self._read(name)
-            for name in self.units:
+            for name in self.slaves:
                 self._give(name)
-        for unit in self.units.values():
-            unit.exitInitializationMode()
-        for name in self.units if self.again else ():
+        for slave in self.slaves.values():
+            slave.exitInitializationMode()
+        for name in self.slaves if self.again else ():
             self._read(name)
 
     def _read(self, only: str = "") -> None:
         for wire in self.case.wires:
             if not only or wire.source == only:
                 key = wire.source, wire.output_reference
-                self.values[key] = self.units[wire.source].getReal([wire.output_reference])[0]
+                self.values[key] = self.slaves[wire.source].getReal([wire.output_reference])[0]
 
     def _give(self, name: str) -> None:
         for wire in self.case.wires:
             if wire.target == name:
                 value = self.values[wire.source, wire.output_reference]
-                self.units[name].setReal([wire.input_reference], [value])
+                self.slaves[name].setReal([wire.input_reference], [value])

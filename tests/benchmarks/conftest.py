@@ -1,4 +1,4 @@
-"""The benchmark folders are no installed package: they go on the path here."""
+"""The benchmark folders are not an installed package: they are put on the path here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The benchmark against other tools: each one installed does what is said of it."""
+"""The benchmark against other tools: each installed one steps as docs/peers.md describes."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ FOREIGN = [
     for tool in TOOLS.values()
     if tool.name not in {"ours", "scipy"}
     for method in tool.methods
-    if method.ladder == "steps"
+    if method.varied == "steps"
     for wiring in method.wirings
 ]
 
@@ -72,7 +72,7 @@ def test_a_tool_steps_our_fmus(library: Path, tool: str, method: str, wiring: st
 
 @pytest.mark.parametrize("wiring", ["values", "ports"])
 def test_our_jacobi_is_the_bare_loop_that_reads_again(library: Path, wiring: str) -> None:
-    """What sets it apart from the other parallel tools: outputs hold at the new point."""
+    """It differs from the other parallel tools in that outputs hold at the new point."""
     case = case_of(SCENARIO, library, wiring, STEPS, CYCLES)
     own = done(library, "ours", "jacobi", wiring).rows[-1]
     assert own == pytest.approx(Bare(case, again=True).run(), rel=1e-10)
@@ -121,8 +121,8 @@ def script(folder: Path, text: str) -> str:
 
 def test_a_crash_is_a_result(library: Path, tmp_path: Path) -> None:
     case = case_of(SCENARIO, library, "values", 20, 1.0)
-    dies = script(tmp_path, "echo last words; kill -SEGV $$")
-    found = runs.run(case, setting("ecos", "fixed step", "values"), 1.0, 1, dies)
+    crashes = script(tmp_path, "echo last words; kill -SEGV $$")
+    found = runs.run(case, setting("ecos", "fixed step", "values"), 1.0, 1, crashes)
     assert found.status == "crashed"
     assert found.reason == f"{signal.SIGSEGV.name}: last words"
 
@@ -139,7 +139,7 @@ def test_a_run_over_its_budget_is_ended(
 
 
 def curve(*points: tuple[int, float, float]) -> list[MeasuredRun]:
-    """Rungs by calls, error and wall time."""
+    """Runs by calls, error and wall time."""
     return [
         MeasuredRun(
             setting("ecos", "fixed step", "values"), "done", wall=wall, calls=calls, error=error

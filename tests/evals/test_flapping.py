@@ -90,7 +90,7 @@ def test_without_dry_friction_it_meets_its_stops(native: Path, case: str, expect
 def test_peaks_of_figure_11(
     native: Path, reading: str, predicted: float, case: str, frequency: float, height: float
 ) -> None:
-    """The stroke at the peak, and that it is one: 3 % to either side is less.
+    """The stroke at the peak, and that it is a peak: 3 % to either side it is less.
 
     All are calibrated but the stroke with full wings.
     """
@@ -173,7 +173,7 @@ def test_laws_beat_numbers_by_their_order(library: Path) -> None:
         assert low < order < high, laws
 
 
-def test_a_start_from_rest_is_no_growth(outcome: Runner) -> None:
+def test_a_start_from_rest_is_not_a_growth(outcome: Runner) -> None:
     """Power rises as t^6 behind an edge; so fine a step makes that look like an exponential."""
     settings = {"kind": "jacobi", "laws": "held"}
     time = {"stop": "0.25 cycles", "step": {"per_cycle": 1600}}

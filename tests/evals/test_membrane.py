@@ -75,7 +75,7 @@ def test_vhb_has_no_peak(outcome: Runner) -> None:
 
 
 def test_a_cone_driven_out_of_its_table_is_named(outcome: Runner) -> None:
-    """The unit at fault is named, not the one that is fed what it returns."""
+    """The instance at fault is named, not the one that takes its outputs."""
     done = outcome("bench-silicone", {"payload.start_velocity": "20"}, time={"stop": "3 cycles"})
     assert str(done.failure).startswith("spring: ")
     assert "membrane's table" in str(done.failure)

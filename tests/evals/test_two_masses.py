@@ -102,7 +102,7 @@ def test_interface_newton_is_bounded_where_passes_are_not(folder: Path, library:
 
 
 @pytest.mark.parametrize("acceleration", ["relaxed", "aitken", "anderson"])
-def test_acceleration_settles_what_plain_passes_do_not(
+def test_acceleration_converges_where_plain_passes_do_not(
     folder: Path, library: Path, acceleration: str
 ) -> None:
     """h w = 2.4: the gain of a plain pass is above one."""
@@ -135,7 +135,7 @@ def test_the_estimate_is_the_error(
 
 
 def test_steps_adapt_without_rollback(tmp_path: Path, library: Path) -> None:
-    """Extrapolation against what came; nothing can be taken back."""
+    """The error is that of an extrapolation; no step can be taken back."""
     folder = scenarios(tmp_path, rollback=False)
     errors = []
     for tolerance in (1e-3, 1e-5):
@@ -149,7 +149,7 @@ def test_steps_adapt_without_rollback(tmp_path: Path, library: Path) -> None:
     assert errors[1] < 0.05 * errors[0]
 
 
-def test_the_audit_says_what_held_forces_create(folder: Path, library: Path) -> None:
+def test_the_audit_counts_what_held_forces_create(folder: Path, library: Path) -> None:
     """Energy of the oscillators at the end, from motion alone, against the sum of the audit."""
     path = folder / "numbers.toml"
     record = {"variables": ["*.displacement", "*.velocity"]}

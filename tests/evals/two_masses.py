@@ -47,7 +47,7 @@ to = "{mass}.force"
         for mass in ("first", "second")
     )
 )
-"""Masses that know nothing of laws: bare numbers cross."""
+"""Masses without laws: bare numbers cross."""
 
 LAWS = (
     HEAD
@@ -73,7 +73,7 @@ to = "{mass}.force"
         for mass in ("first", "second")
     )
 )
-"""Our payload as both masses: the pair's law crosses whole."""
+"""The part `payload` as both masses: the pair's whole law crosses."""
 
 
 def scenarios(folder: Path, *, rollback: bool = True) -> Path:

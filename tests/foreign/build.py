@@ -49,9 +49,8 @@ def foreign(
     """Build one of `MODELS` into a folder and return its .fmu.
 
     `rollback`, `variable_step` and `once` are both declared and enforced; `fault` is the start
-    value of FAULTY's parameter. `library` is the file name of the shared library where it
-    shall not follow from the modelIdentifier, `name` the stem of the .fmu where it shall not
-    be the modelIdentifier.
+    value of FAULTY's parameter. `library` is the file name of the shared library, `name` the stem
+    of the .fmu; both follow from the modelIdentifier by default.
     """
     if model not in MODELS or version not in (2, 3):
         raise ValueError(f"no {model} for FMI {version}; there are {', '.join(MODELS)}")
@@ -115,7 +114,7 @@ def _table(facts: Model, version: int, fault: int) -> str:
 
 
 def _access(variable: Variable) -> str:
-    """When the host may set a variable, in the words of foreign.c."""
+    """When the host may set a variable, by the names of foreign.c."""
     if variable.causality not in {"input", "parameter"}:
         return "NEVER"
     return "EARLY" if variable.variability == "fixed" else "ALWAYS"
@@ -155,7 +154,7 @@ def _truth(value: bool) -> str:
 
 
 def _head(root: Element, facts: Model, kind: str, capabilities: dict[str, str]) -> None:
-    """What both versions write in the same way, up to the units."""
+    """Elements that both versions write in the same way, up to the units of measure."""
     root.set("modelName", facts.name)
     root.set("description", facts.description)
     root.set("generationTool", "foreign.c")

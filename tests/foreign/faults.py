@@ -1,8 +1,8 @@
-"""What becomes of a process that hosts FAULTY: `python -m tests.foreign.faults JOBS`.
+"""How a process that hosts FAULTY ends: `python -m tests.foreign.faults JOBS`.
 
 JOBS is a JSON list of pairs of an FMU and the fault to set, or null to leave it as built. Each
-runs in a process of its own. Prints a JSON list: how each ended, what it was told and what it
-left on stdout.
+runs in a process of its own. Prints a JSON list: how each ended, what the host observed and how
+much was written to stdout.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tests.foreign.scenarios import HANGS
 from tests.processes import POLL, REACHED
 
 PATIENCE = 0.5
-"""Seconds that a process gets to go on after it has reached its fault_time, or its hang."""
+"""Seconds that a process may go on after it has reached its fault_time, or its hang."""
 SPARE_MEMORY = 128 << 20
 STEP, STEPS = 0.25, 4
 
@@ -37,25 +37,25 @@ class Job:
     hangs: bool
 
 
-def live(fmu: Path, fault: int | None) -> dict[str, Any]:
-    """Four steps with a fault, of which the second reaches fault_time."""
+def observed(fmu: Path, fault: int | None) -> dict[str, Any]:
+    """What a host observes in four steps with a fault, of which the second reaches fault_time."""
     logged: list[tuple[int, bytes]] = []
-    told: dict[str, Any] = {"steps": []}
+    found: dict[str, Any] = {"steps": []}
     try:
         with hosted(fmu, lambda status, message: logged.append((status, message))) as host:
             host.start(u=1.0, gain=3.0, **({} if fault is None else {"fault": fault}))
             while host.time < STEP * STEPS:
                 report = host.step(STEP)
-                told["steps"].append([host.time, str(host.get("y")), report])
+                found["steps"].append([host.time, str(host.get("y")), report])
     except FMICallException as caught:
-        told["status"] = caught.status
-    told["logged"] = sum(len(message) for _, message in logged)
-    told["last"] = logged[-1][1].decode() if logged else ""
-    return told
+        found["status"] = caught.status
+    found["logged"] = sum(len(message) for _, message in logged)
+    found["last"] = logged[-1][1].decode() if logged else ""
+    return found
 
 
 def begun(fmu: Path, fault: int | None, folder: Path) -> Job:
-    """Run `live` in a process with little memory, no core file and stdout in a file."""
+    """Run `observed` in a process with little memory, no core file and stdout in a file."""
     folder.mkdir()
     process = os.fork()
     if process:
@@ -70,18 +70,18 @@ def begun(fmu: Path, fault: int | None, folder: Path) -> Job:
         resource.setrlimit(resource.RLIMIT_AS, (used + SPARE_MEMORY, used + SPARE_MEMORY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         os.environ[REACHED] = str(folder / "reached")
-        (folder / "told.json").write_text(json.dumps(live(fmu, fault)))
+        (folder / "observed.json").write_text(json.dumps(observed(fmu, fault)))
         code = 0
     finally:
         os._exit(code)
 
 
 def ended(job: Job) -> dict[str, Any]:
-    """What became of a job; one that shall hang is killed where it does."""
+    """How a job ended and what it observed; one that is meant to hang is killed once it does."""
     end = _end(job)
-    path = job.folder / "told.json"
-    told: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
-    return {**told, "end": end, "stdout": (job.folder / "stdout").stat().st_size}
+    path = job.folder / "observed.json"
+    found: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
+    return {**found, "end": end, "stdout": (job.folder / "stdout").stat().st_size}
 
 
 def _end(job: Job) -> str:

@@ -1,11 +1,11 @@
 /*
-Small co-simulation FMUs, made to be met as strangers: one model and one version of FMI per library.
+Small co-simulation FMUs that stand for foreign ones: one model and one version of FMI per library.
 
   -DMODEL_PAIR | MODEL_MASS | MODEL_GAIN | MODEL_TYPES | MODEL_FAULTY
   -DFMI_VERSION=2 | 3
   -DROLLBACK        the state can be taken, set back and freed; else these calls fail
   -DVARIABLE_STEP   steps of any size; else all must have the size of the first
-  -DONCE            one instance in the life of a process
+  -DONCE            one instance in a process, ever
   -DFAULT=n         14 hangs FAULTY in instantiate; the others are its parameter, see `strike`
 
 `variables.h` comes from build.py, which writes modelDescription.xml from the same table:
@@ -71,19 +71,19 @@ static const struct { Kind kind; size_t length; Access access; } TABLE[COUNT] = 
 static const Cell STARTS[COUNT] = {VARIABLES(V)};
 #undef V
 
-typedef struct { /* all that rollback has to bring back */
+typedef struct { /* all that rollback has to restore */
     double time;
     double x, v;     /* MASS: displacement and velocity; FAULTY: x is the integral of u */
     double growth;   /* FAULTY: what its output has grown by */
     bool ready;      /* initialised */
-    bool stricken;   /* FAULTY: its output is no number */
+    bool stricken;   /* FAULTY: its output is not a number */
     Cell cells[COUNT];
 } State;
 
 typedef struct {
     State state;
     double step;     /* size of the first step */
-    bool flooded;    /* has logged what it had to */
+    bool flooded;    /* FAULTY: the flood of fault 7 has been logged */
     char name[64];
     void *environment;
 #if FMI_VERSION == 2
@@ -93,13 +93,13 @@ typedef struct {
 #endif
 } Instance;
 
-typedef struct { bool event, terminate, early; } Report; /* what FMI 3 says besides the status */
+typedef struct { bool event, terminate, early; } Report; /* what FMI 3 returns beside the status */
 
 #define AT(name, kind) (s->cells[V_##name].kind[0])
 #define R(name) AT(name, Float64)
 
-/* Tell the host, whether it wants to log or not; no '%' in the text, which FMI 2 would format. */
-static Status say(Instance *it, Status status, const char *text)
+/* Log to the host, if it has a logger; returns the status. No '%' in the text: FMI 2 formats it. */
+static Status logged(Instance *it, Status status, const char *text)
 {
     const char *category = status < FMI(Error) ? "logStatusWarning" : "logStatusError";
     if (it->logger)
@@ -241,7 +241,7 @@ static void crash(void)
     *nowhere = 1;
 }
 
-/* Tell whoever waits for it that fault_time or a hang is reached: by a file, once. */
+/* Mark by a file, once, that fault_time or a hang is reached. */
 static void announce(void)
 {
     static bool announced = false;
@@ -259,14 +259,14 @@ static void hang(void)
         sleep(1);
 }
 
-static void devour(void)
+static void exhaust_memory(void)
 {
-    const size_t bite = 16 << 20;
+    const size_t size = 16 << 20;
     for (;;) {
-        void *volatile food = malloc(bite);
-        if (!food)
+        void *volatile block = malloc(size);
+        if (!block)
             abort();
-        memset(food, 1, bite);
+        memset(block, 1, size);
     }
 }
 
@@ -277,13 +277,13 @@ static void flood(Instance *it)
     memcpy(line, "\x1b[31m", 5);
     line[sizeof line - 1] = '\0';
     for (int k = 0; k < 10240; k++) {
-        say(it, FMI(Warning), line);
+        logged(it, FMI(Warning), line);
         puts(line);
     }
     fflush(stdout);
 }
 
-/* What is wrong with this step, from the first that reaches fault_time. May shorten the step. */
+/* The fault, in every step from the first that reaches fault_time on. May shorten the step. */
 static Status strike(Instance *it, double *size, Report *report)
 {
     State *s = &it->state;
@@ -296,14 +296,14 @@ static Status strike(Instance *it, double *size, Report *report)
     case 3: s->stricken = true; break;
     case 4: exit(0);
     case 5: abort();
-    case 6: devour(); break;
+    case 6: exhaust_memory(); break;
     case 7:
         if (!it->flooded)
             flood(it);
         it->flooded = true;
         break;
     case 8: return FMI(Discard);
-    case 9: return say(it, FMI(Error), "the bearing has seized");
+    case 9: return logged(it, FMI(Error), "the bearing has seized");
     case 10: return FMI(Fatal);
     case 11:
         *size *= FMI_VERSION == 3 ? 0.5 : 1.0;
@@ -357,7 +357,7 @@ static Instance *create(const char *name, const char *token, void *environment, 
     start(&it->state);
     if (token && strcmp(token, TOKEN) == 0 && permitted())
         return it;
-    say(it, FMI(Error), "refused: a wrong token, or a second instance in this process");
+    logged(it, FMI(Error), "refused: a wrong token, or a second instance in this process");
     free(it);
     return NULL;
 }
@@ -366,11 +366,11 @@ static Status advance(Instance *it, double time, double size, Report *report)
 {
     State *s = &it->state;
     if (!s->ready || !(size >= 0.0))
-        return say(it, FMI(Error), "a step before the end of initialisation, or backwards");
+        return logged(it, FMI(Error), "a step before the end of initialisation, or backwards");
 #ifndef VARIABLE_STEP
     it->step = it->step == 0.0 ? size : it->step;
     if (fabs(size - it->step) > 1e-9 * it->step)
-        return say(it, FMI(Error), "a step of another size than the first");
+        return logged(it, FMI(Error), "a step of another size than the first");
 #endif
     s->time = time;
     Status status = FMI(OK);
@@ -396,10 +396,10 @@ static Status unfit(Instance *it, Kind kind, const Reference at[], size_t count,
     size_t needed = 0;
     for (size_t k = 0; k < count; k++) {
         if (at[k] >= COUNT || TABLE[at[k]].kind != kind)
-            return say(it, FMI(Error), "no variable of this type has this value reference");
+            return logged(it, FMI(Error), "no variable of this type has this value reference");
         needed += TABLE[at[k]].length;
     }
-    return needed == room ? FMI(OK) : say(it, FMI(Error), "the number of values does not fit");
+    return needed == room ? FMI(OK) : logged(it, FMI(Error), "the number of values does not fit");
 }
 
 static Status fetch(void *instance, Kind kind, const Reference at[], size_t count, void *values,
@@ -435,11 +435,11 @@ static Status store(void *instance, Kind kind, const Reference at[], size_t coun
         const Access access = TABLE[at[k]].access;
         const size_t size = width(kind) * TABLE[at[k]].length;
         if (access == NEVER || (access == EARLY && it->state.ready))
-            return say(it, FMI(Error), "this variable cannot be set, or not any more");
+            return logged(it, FMI(Error), "this variable cannot be set, or not any more");
         if (kind == String) {
             const char *text = ((const char *const *)values)[k];
             if (!text || strlen(text) > sizeof cell->String - 3)
-                return say(it, FMI(Error), "no text, or one of more than 61 bytes");
+                return logged(it, FMI(Error), "not a text, or one of more than 61 bytes");
             strcpy(cell->String, text);
         } else {
             memcpy(cell, from, size);
@@ -494,7 +494,7 @@ Status FMI(Reset)(void *instance)
 #define REFUSED(...) REFUSED_(__VA_ARGS__)
 #define REFUSED_(name, ...) \
     Status name(void *instance, ##__VA_ARGS__) \
-    { return say(instance, FMI(Error), #name " is not offered"); }
+    { return logged(instance, FMI(Error), #name " is not offered"); }
 
 #ifdef ROLLBACK
 
@@ -503,7 +503,7 @@ Status OF_STATE(Get)(void *instance, void **taken)
     if (!*taken)
         *taken = malloc(sizeof(State));
     if (!*taken)
-        return say(instance, FMI(Error), "no memory for the state");
+        return logged(instance, FMI(Error), "no memory for the state");
     memcpy(*taken, &((Instance *)instance)->state, sizeof(State));
     return FMI(OK);
 }

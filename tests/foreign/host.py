@@ -19,7 +19,7 @@ FMI_2 = {"Enumeration": "Integer"}
 
 
 class Host:
-    """One instance, with what its modelDescription says."""
+    """One instance, with its modelDescription."""
 
     def __init__(self, folder: Path, logger: Logger) -> None:
         self.description: Any = fmpy.read_model_description(str(folder), validate=False)
@@ -87,7 +87,7 @@ class Host:
 
 @contextmanager
 def hosted(fmu: Path, logger: Logger = lambda status, message: None) -> Iterator[Host]:
-    """An instance of an FMU, terminated and freed in the end."""
+    """An instance of an FMU, terminated and freed at the end."""
     with tempfile.TemporaryDirectory() as folder:
         fmpy.extract(str(fmu), unzipdir=folder)
         host = Host(Path(folder), logger)

@@ -52,7 +52,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Model:
-    """A foreign model, as one version of FMI sees it."""
+    """A foreign model in one version of FMI."""
 
     name: str
     description: str
@@ -74,7 +74,7 @@ class Model:
 
 
 def named(name: str, version: int) -> Model:
-    """One of `MODELS` for FMI 2 or 3; in FMI 3 the independent variable stands last."""
+    """One of `MODELS` for FMI 2 or 3; in FMI 3 the independent variable is the last."""
     description, variables = MODELS[name]
     if name == "TYPES":
         variables = _types(version)
@@ -104,14 +104,14 @@ def _parameter(
 
 
 def _member(port: str, order: int, variable: Variable) -> Variable:
-    """A member of a port, whose name it is given in front of its own."""
+    """A member of a port; the port's name is put in front of its own."""
     follows = tuple(name if "." in name else f"{port}.{name}" for name in variable.follows)
     name = f"{port}.{variable.name}"
     return replace(variable, name=name, port=port, order=order, follows=follows)
 
 
 def _law(port: str, other: str) -> tuple[Variable, ...]:
-    """Force on one mass of a pair, linear about the state it was sampled at."""
+    """Force on one mass of a pair, linear about the state at which it was sampled."""
     positions = (f"{port}.displacement", f"{other}.displacement")
     moving = (f"{port}.velocity", f"{other}.velocity")
     value = _output("value", "N", "Force at the reference", *positions, *moving)
@@ -196,7 +196,7 @@ def _echo(kind: str, version: int, *, start: Start) -> tuple[Variable, ...]:
 
 
 def _types(version: int) -> tuple[Variable, ...]:
-    """Every type a version knows, but for clocks."""
+    """Every type of a version of FMI, except clocks."""
     reals = ("Float64",) if version == 2 else ("Float64", "Float32")
     wholes = ("Int32",) if version == 2 else WHOLE
     text = Variable(

@@ -79,7 +79,7 @@ def ring(folder: Path, fmu: Path, gains: tuple[float, float], **keys: Value) -> 
     return scenario(folder, first, second, wires("a.y -> b.u", "b.y -> a.u"))
 
 
-def sick(
+def faulty(
     folder: Path,
     fmu: Path,
     fault: int,
@@ -88,11 +88,11 @@ def sick(
     held: Mapping[str, Value] | None = None,
     **keys: Value,
 ) -> Path:
-    """A FAULTY that strikes in the step to 0.05 s, beside what else there is.
+    """A component `faulty` that fails in the step to 0.05 s, beside other components.
 
-    Only of a fault that hangs does the end come with the patience; healthy calls have plenty.
+    A fault that hangs is ended by a short patience; all other calls have plenty of time.
     """
     patience = "2 s" if fault in HANGS else "600 s"
     start: dict[str, Value] = {"fault": fault, "fault_time": 0.05, "gain": 3.0}
-    unit = part("sick", fmu, start=start, **{"patience": patience, **keys})
-    return scenario(folder, unit, *beside, hold({"sick.u": 1.0, **(held or {})}), stop=stop)
+    failing = part("faulty", fmu, start=start, **{"patience": patience, **keys})
+    return scenario(folder, failing, *beside, hold({"faulty.u": 1.0, **(held or {})}), stop=stop)

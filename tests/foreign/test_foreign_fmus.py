@@ -35,8 +35,8 @@ EXTREMES = {
 
 each_version = pytest.mark.parametrize("version", VERSIONS)
 each_model = pytest.mark.parametrize("model", MODELS)
-Told = dict[str, Any]
-Lookup = Callable[[int, int], Told]
+Observed = dict[str, Any]
+Lookup = Callable[[int, int], Observed]
 
 
 def stir(host: Host, seed: int) -> None:
@@ -56,7 +56,7 @@ def stir(host: Host, seed: int) -> None:
 
 
 def bits(host: Host) -> str:
-    """All values, told apart to the last bit."""
+    """All values, distinguished to the last bit."""
     return repr(host.everything())
 
 
@@ -172,7 +172,7 @@ def test_library_can_be_misnamed(tmp_path: Path) -> None:
         assert f"binaries/{fmpy.platform}/other.so" in archive.namelist()
 
 
-def test_what_cannot_be_built_is_said(tmp_path: Path) -> None:
+def test_what_cannot_be_built_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no LEVER for FMI 2"):
         foreign("LEVER", tmp_path)
     with pytest.raises(ValueError, match="GAIN has no fault 1"):
@@ -213,7 +213,7 @@ def test_held_force_is_answered_exactly(k: float, version: int, tmp_path: Path) 
 
 
 @each_version
-def test_pair_tells_its_law_about_the_sample(version: int, tmp_path: Path) -> None:
+def test_pair_puts_out_its_law_about_the_sample(version: int, tmp_path: Path) -> None:
     x, v, k, ground, d = (0.1, -0.2), (3.0, 5.0), 7.0, 11.0, 0.13
     with hosted(foreign("PAIR", tmp_path, version=version)) as host:
         host.start()
@@ -282,8 +282,8 @@ def test_types_of_fmi_3(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> Lookup:
-    """What became of FAULTY, by version and fault: all run once, outside this process."""
+def observed(tmp_path_factory: pytest.TempPathFactory) -> Lookup:
+    """How FAULTY ended, by version and fault: all run once, outside this process."""
     folder = tmp_path_factory.mktemp("faulty")
     jobs: dict[tuple[int, int], tuple[str, int | None]] = {}
     for version in VERSIONS:
@@ -311,9 +311,9 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> Lookup:
         (16, "hang"),
     ],
 )
-def test_fault_ends_the_process(fault: int, end: str, version: int, told: Lookup) -> None:
-    assert told(version, fault)["end"] == end
-    assert "steps" not in told(version, fault)
+def test_fault_ends_the_process(fault: int, end: str, version: int, observed: Lookup) -> None:
+    assert observed(version, fault)["end"] == end
+    assert "steps" not in observed(version, fault)
 
 
 @each_version
@@ -327,34 +327,34 @@ def test_fault_ends_the_process(fault: int, end: str, version: int, told: Lookup
     ],
 )
 def test_fault_shows_in_the_output(
-    fault: int, outputs: list[str], version: int, told: Lookup
+    fault: int, outputs: list[str], version: int, observed: Lookup
 ) -> None:
-    life = told(version, fault)
-    assert life["end"] == "exit 0"
-    assert "status" not in life
-    assert [step[1] for step in life["steps"]] == outputs
+    found = observed(version, fault)
+    assert found["end"] == "exit 0"
+    assert "status" not in found
+    assert [step[1] for step in found["steps"]] == outputs
 
 
 @each_version
-def test_fault_floods_log_and_stdout(version: int, told: Lookup) -> None:
-    life = told(version, 7)
-    assert life["logged"] > 10_000_000
-    assert life["stdout"] > 10_000_000
-    assert life["last"].startswith("\x1b[31m")
+def test_fault_floods_log_and_stdout(version: int, observed: Lookup) -> None:
+    found = observed(version, 7)
+    assert found["logged"] > 10_000_000
+    assert found["stdout"] > 10_000_000
+    assert found["last"].startswith("\x1b[31m")
 
 
 @each_version
 @pytest.mark.parametrize(("fault", "status"), [(8, 2), (9, 3), (10, 4)])
-def test_fault_shows_in_the_status(fault: int, status: int, version: int, told: Lookup) -> None:
-    life = told(version, fault)
-    assert (life["end"], life["status"], len(life["steps"])) == ("exit 0", status, 1)
-    assert life["last"] == ("the bearing has seized" if fault == 9 else "")
+def test_fault_shows_in_the_status(fault: int, status: int, version: int, observed: Lookup) -> None:
+    found = observed(version, fault)
+    assert (found["end"], found["status"], len(found["steps"])) == ("exit 0", status, 1)
+    assert found["last"] == ("the bearing has seized" if fault == 9 else "")
 
 
 @pytest.mark.parametrize(("fault", "flag"), [(17, 0), (12, 1), (11, 2)])
-def test_fault_shows_in_the_report_of_fmi_3(fault: int, flag: int, told: Lookup) -> None:
-    first, second = told(3, fault)["steps"][:2]
+def test_fault_shows_in_the_report_of_fmi_3(fault: int, flag: int, observed: Lookup) -> None:
+    first, second = observed(3, fault)["steps"][:2]
     assert first[2] == [False, False, False, 0.25]
     assert [k for k in range(3) if second[2][k]] == [flag]
     assert second[2][3] == second[0] == (0.375 if fault == 11 else 0.5)
-    assert [step[1] for step in told(2, fault)["steps"]] == ["3.0"] * 4
+    assert [step[1] for step in observed(2, fault)["steps"]] == ["3.0"] * 4

@@ -1,4 +1,4 @@
-"""Scenarios of TYPES: what goes in and what comes out, by type."""
+"""Scenarios of TYPES: inputs and expected outputs, by type."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from tests.foreign.scenarios import Value, hold, part, scenario, wires
 
 LARGEST = 2**53 - 1
-"""Greatest whole number that no other one rounds to as a double."""
+"""Greatest whole number to which no other one rounds as a double."""
 RANGES = {
     "integer": (-(2**31), 2**31 - 1),
     **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32)},
@@ -38,7 +38,7 @@ def echoed(version: int, end: int) -> dict[str, tuple[float, float, float]]:
 
 
 def as_held(name: str, value: float) -> Value:
-    """A held value as a scenario has it."""
+    """A held value as a scenario writes it."""
     if name == "boolean":
         return bool(value)
     return ("slow", "fast")[int(value) - 1] if name == "enumeration" else value
@@ -53,14 +53,14 @@ def typed(
     isolate: bool = False,
     held: Mapping[str, Value] | None = None,
 ) -> Path:
-    """A scenario with a TYPES `a` and a TYPES `b`, all inputs held that nothing else is said of."""
+    """A scenario with a TYPES `a` and a TYPES `b`; inputs that no text wires are held."""
     names = {*echoed(version, 0)} | ({f"array[{k}]" for k in (1, 2, 3)} if version == 3 else set())
     fed = " ".join(texts) + " "
     usual = {
-        f"{unit}.in_{name}": as_held(name, 1.0)
-        for unit in "ab"
+        f"{instance}.in_{name}": as_held(name, 1.0)
+        for instance in "ab"
         for name in names
-        if f"-> {unit}.in_{name} " not in fed
+        if f"-> {instance}.in_{name} " not in fed
     }
     parts = [part("a", fmu, isolate=isolate, start=start or {}), part("b", fmu, isolate=False)]
     return scenario(folder, *parts, wires(*texts), hold({**usual, **(held or {})}), stop=0.02)

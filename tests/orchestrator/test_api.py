@@ -1,4 +1,4 @@
-"""The example of the README, as it stands there."""
+"""The example of the README, as it is printed there."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def test_the_readme_runs(library: Path, tmp_path: Path, monkeypatch: pytest.Monk
 def test_the_names_stay_functions() -> None:
     """Whatever has been imported before."""
     code = (
-        "import orchestrator.simulation.run, orchestrator.results.netcdf\n"
-        "from orchestrator import dataset, load, run\n"
-        "assert all(map(callable, (dataset, load, run)))\n"
+        "import orchestrator, orchestrator.simulation.run, orchestrator.results.netcdf\n"
+        "assert orchestrator.__all__ == sorted(orchestrator.HOMES)\n"
+        "assert all(callable(getattr(orchestrator, name)) for name in orchestrator.__all__)\n"
     )
     subprocess.run(python("-c", code), check=True)
     with pytest.raises(AttributeError, match="no attribute 'walk_away'"):

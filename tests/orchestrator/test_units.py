@@ -34,7 +34,7 @@ def test_what_is_refused(text: str) -> None:
         si_value(text, "s")
 
 
-def test_truth_is_no_number() -> None:
+def test_truth_is_not_a_number() -> None:
     with pytest.raises(UnitError, match="not numbers"):
         si_value(True, "s")
 

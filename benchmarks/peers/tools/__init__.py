@@ -1,4 +1,4 @@
-"""The tools, by name. Each module imports its tool only when it is asked to run."""
+"""The tools, by name. Each module imports its tool only when it runs."""
 
 from __future__ import annotations
 

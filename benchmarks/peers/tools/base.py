@@ -1,4 +1,4 @@
-"""What a tool is: it loads a case, runs it on the clock, and says what it has seen."""
+"""The interface of a tool: it loads a case, runs it, and returns the watched values."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ..case import Case
 
 @dataclass
 class Track:
-    """Watched values at their times, and how often units were stepped.
+    """Watched values at their times, and the number of step calls.
 
-    `aside` is what of the time on the clock was not stepping, where the tool itself says so.
+    `aside` is the part of the measured time [s] that was not stepping, where that is known.
     """
 
     times: list[float] = field(default_factory=list)
@@ -26,24 +26,25 @@ class Track:
 
 
 March = Callable[[], Track]
-"""A loaded case, ready: calling it is what the clock measures."""
+"""A loaded case, ready: the time of a call is measured."""
 
 
 @dataclass(frozen=True)
 class Method:
-    """A way a tool can step, for the wirings that make sense with it; by steps or by tolerance.
+    """A method by which a tool can step, for the wirings that make sense with it.
 
-    `loosest` is the first tolerance that makes sense.
+    `varied` is what makes a curve, `steps` or `tolerance`; `loosest` the largest tolerance that
+    makes sense.
     """
 
     name: str
     wirings: tuple[str, ...] = ("values", "ports")
-    ladder: str = "steps"
+    varied: str = "steps"
     loosest: float = 1e-2
 
 
 class Tool(ABC):
-    """A tool behind its distribution's name; `install` is what gets it."""
+    """A tool by its distribution's name; `install` is the command that installs it."""
 
     name: ClassVar[str]
     distribution: ClassVar[str]

@@ -15,9 +15,9 @@ METHODS = {"jacobi": "jacobi", "gauss-seidel": "gauss_seidel"}
 
 
 class Cofmu(Tool):
-    """Inputs start from zero, whatever their FMU says. Units of a loop would be stepped in the
-    order of a set, which changes from process to process: they are put in that of the scenario.
-    Results of all outputs are kept by the tool at every step; the watched ones are read there."""
+    """Inputs start from zero, whatever their FMU's start values. Instances of a loop would be
+    stepped in the order of a set, which changes from process to process: here they are in the order
+    of the scenario. The tool keeps all outputs at every step; the watched ones are read there."""
 
     name = "cofmpy"
     distribution = "cofmupy"

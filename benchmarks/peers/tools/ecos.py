@@ -1,4 +1,4 @@
-"""Ecos through ecospy: compiled, its fixed-step algorithm, stepped many steps a call."""
+"""Ecos through ecospy: compiled, with its fixed-step algorithm, many steps in one call."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .base import March, Method, Tool, Track, importable
 
 
 def _with_tbb() -> None:
-    """Load the library that ecospy needs and does not bring, from where pip puts it."""
+    """Load the library that ecospy needs and does not contain, from where pip puts it."""
     for folder in (Path(sys.prefix) / "lib", Path(sys.prefix) / "Library" / "bin"):
         for file in sorted(folder.glob("libtbb.so.12*")):
             with suppress(OSError):

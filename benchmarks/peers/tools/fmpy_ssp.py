@@ -1,4 +1,4 @@
-"""FMPy's `simulate_ssp`: all components see what the others put out one step before."""
+"""FMPy's `simulate_ssp`: all components take the outputs of the others one step before."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from .base import March, Method, Tool, Track, importable
 
 
 class FmpySsp(Tool):
-    """Inputs are 0.0 in the first step, whatever their FMUs say. One function unpacks,
-    instantiates, runs and frees: the clock runs from the first step of a component to the end
-    of the last. It stamps values after a step with the time before it, which is set right
-    here, and adds up its time in floating point."""
+    """Inputs are 0.0 in the first step, whatever their FMUs' start values. One function unpacks,
+    instantiates, runs and frees: time is measured from the first step of a component to the end
+    of the last. It stamps values after a step with the time before it, which is corrected here,
+    and adds up its time in floating point."""
 
     name = "fmpy.ssp"
     distribution = "fmpy"

@@ -12,14 +12,14 @@ from .base import March, Method, Tool, Track, importable
 
 NANO = 1e9
 MOST = 4_000_000
-"""Samples that are kept of a run whose steps are not known before."""
+"""Samples that are kept of a run whose number of steps is not known in advance."""
 
 
 class Libcosim(Tool):
-    """Steps are whole nanoseconds, so that its points lie up to half of one per step beside
-    the scenario's: times are those that it has really stepped to. It keeps what is watched
-    itself; fetching that afterwards is not on the clock. Units are initialised in the first
-    step, which is therefore taken before the clock runs. ECCO chooses its steps from the
+    """Steps are whole nanoseconds, so that its points deviate by up to half a nanosecond per step
+    from the scenario's: times are those to which it has really stepped. It records the watched
+    values itself; reading them afterwards is not timed. Instances are initialised in the first
+    step, which is therefore taken before the measured time begins. ECCO chooses its steps from the
     energy residual of the power bonds, to the tolerance of the run."""
 
     name = "libcosim"
@@ -59,7 +59,7 @@ class Libcosim(Tool):
         execution.add_observer(observer)
         for w in case.watched:
             observer.start_time_series(places[w.component], w.reference, real)
-        # what ECCO reads of its bonds has to be observed: it finds it nowhere else
+        # variables of ECCO's bonds have to be observed: it reads them nowhere else
         for place in (place for bond in case.bonds for place in bond if adaptive):
             wire = case.wires[place]
             observer.start_time_series(places[wire.source], wire.output_reference, real)

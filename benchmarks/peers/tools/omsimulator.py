@@ -14,8 +14,8 @@ ROOT = "default"
 
 
 class OMSimulator(Tool):
-    """Written to its documentation and never run: the package's set-up fetches a binary from a
-    site of its own, which could not be reached here."""
+    """Written from its documentation and never run: the package's set-up fetches a binary from a
+    site of its own, which could not be reached."""
 
     name = "omsimulator"
     distribution = "OMSimulator"

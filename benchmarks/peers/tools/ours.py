@@ -13,7 +13,7 @@ from .base import March, Method, Tool, Track, importable
 
 class Ours(Tool):
     """Sequential, parallel and extrapolating master. Loading is inside `run`, which
-    reports the time of stepping alone: that one counts."""
+    also reports the time of stepping alone: that time counts."""
 
     name = "ours"
     distribution = "resilin"

@@ -11,10 +11,10 @@ from .base import March, Method, Tool, Track, importable
 
 class Pathsim(Tool):
     """A block steps at the beginning of its interval, in the order of the blocks, and its new
-    outputs show at once: sequential, and one step ahead of PathSim's own time, which is set
-    right here. Inputs that are not wired are zero and not what their FMU starts with, which
-    our parts bear. Reading goes through a recorder that PathSim samples itself. Blocks free
-    their units when they go."""
+    outputs are visible at once: sequential, and one step ahead of PathSim's own time, which is
+    corrected here. Inputs that are not wired are zero and not their FMU's start value, which works
+    with our parts. Values are read by a recorder that PathSim samples itself. Blocks free their
+    instances when they are deleted."""
 
     name = "pathsim-fmi"
     distribution = "pathsim-fmi"

@@ -1,4 +1,4 @@
-"""What an FMU says of itself: its modelDescription, read with care and checked."""
+"""The model description of an FMU, read with care and checked."""
 
 from .read import read_interface
 from .variable import EVENT, EXACT, Interface, Variable

@@ -1,4 +1,4 @@
-"""What neither schema sees: names, start values, bounds, units."""
+"""Checks that neither schema makes: names, start values, bounds, units."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ BOUNDED = ("Real", "Float64", "Float32", "Enumeration", *WHOLE)
 
 
 def name_faults(name: str, seen: set[str]) -> list[str]:
-    """What is wrong with a variable's name; notes it as seen."""
+    """What is wrong with a variable's name, which is added to `seen`."""
     found = []
     if not name or printable(name, most=1000) != name:
         found.append("has an empty or unprintable name")
     if name in seen:
-        found.append("stands twice")
+        found.append("is duplicated")
     seen.add(name)
     return found
 
@@ -36,7 +36,7 @@ def faults(typed: Any, units: Iterable[str | None]) -> list[str]:
             try:
                 numbers[key] = float(word)
             except ValueError:
-                found.append(f"has {key} {printable(word)!r}, which is no number")
+                found.append(f"has {key} {printable(word)!r}, which is not a number")
                 break
             if not math.isfinite(numbers[key]):
                 found.append(f"has {key} {printable(word)}, which is not finite")
@@ -49,7 +49,7 @@ def faults(typed: Any, units: Iterable[str | None]) -> list[str]:
 
 
 def preferred_step(root: Any) -> float | None:
-    """Communication step of the default experiment [s]; None where there is no sensible one."""
+    """Communication step of the default experiment [s]; None unless it is positive and finite."""
     experiment = root.find("DefaultExperiment")
     try:
         step = float(experiment.get("stepSize")) if experiment is not None else 0.0
@@ -59,5 +59,5 @@ def preferred_step(root: Any) -> float | None:
 
 
 def true(value: Any) -> bool:
-    """An attribute that is true in XML's sense."""
+    """Whether an attribute of XML is true."""
     return value in {"true", "1"}

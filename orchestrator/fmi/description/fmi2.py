@@ -1,4 +1,4 @@
-"""FMI 2.0: variables as the schema leaves them, checked for what it does not see."""
+"""FMI 2.0: checks that the schema does not make, and the description as an `Interface`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TYPED = ("Real", "Integer", "Boolean", "String", "Enumeration")
 
 
 def check(root: Any, problems: list[str], warnings: list[str]) -> None:
-    """Names, references, start values, bounds and units of all variables."""
+    """Check names, references, start values, bounds and units of all variables."""
     units = {unit.get("name") for unit in root.findall("UnitDefinitions/Unit")}
     types = {entry.get("name") for entry in root.findall("TypeDefinitions/SimpleType")}
     names: set[str] = set()
@@ -49,13 +49,13 @@ def check(root: Any, problems: list[str], warnings: list[str]) -> None:
 
 
 def _is_place(text: str | None, count: int) -> bool:
-    """Whether a text is a variable's place, 1 to `count`."""
+    """Whether a text is the place of a variable, 1 to `count`."""
     plain = text is not None and text.isascii() and text.isdigit() and len(text) < 10
     return plain and 1 <= int(text or "0") <= count
 
 
 def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
-    """The facts that matter, from the tree and our annotations."""
+    """Interface from the tree and our annotations."""
     types = {entry.get("name"): entry for entry in root.findall("TypeDefinitions/SimpleType")}
     scalars = root.findall(SCALARS)
     names = [scalar.get("name") for scalar in scalars]
@@ -91,14 +91,14 @@ def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
 
 
 def _variable(scalar: Any, types: dict[str, Any], depends: tuple[str, ...] | None) -> Variable:
-    """One variable; numbers as floats, what its declared type says filled in."""
+    """One variable; numbers as floats, attributes of its type filled in."""
     name = scalar.get("name")
     typed = next(entry for entry in scalar if entry.tag != "Annotations")
     kind = str(typed.tag)
     declared = types.get(typed.get("declaredType"))
     behind = None if declared is None else declared.find(kind)
 
-    def said(key: str) -> str | None:
+    def attribute(key: str) -> str | None:
         own: str | None = typed.get(key)
         return own if own is not None or behind is None else str(behind.get(key) or "") or None
 
@@ -108,14 +108,14 @@ def _variable(scalar: Any, types: dict[str, Any], depends: tuple[str, ...] | Non
         start = float(start)
     if start is not None and kind == "Boolean":
         start = float(true(start))
-    least, most = (said(key) if numeric else None for key in ("min", "max"))
+    least, most = (attribute(key) if numeric else None for key in ("min", "max"))
     port = scalar.find("Annotations/Tool[@name='resilin']/Port")
     return Variable(
         name=name,
         reference=int(scalar.get("valueReference")),
         kind=kind,
         causality=scalar.get("causality") or "local",
-        unit=said("unit") or "",
+        unit=attribute("unit") or "",
         description=scalar.get("description") or "",
         start=start,
         least=None if least is None else float(least),

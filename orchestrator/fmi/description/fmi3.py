@@ -1,4 +1,4 @@
-"""FMI 3.0: all scalar types, arrays as their elements; clocks are for other kinds of FMU."""
+"""FMI 3.0: all scalar types, arrays as their elements; clocks are left out."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .checks import BOUNDED, faults, name_faults, preferred_step, true
 from .variable import Interface, Variable
 
 MOST_ELEMENTS = 500_000
-"""Elements of all variables together; and inputs that all outputs together name."""
+"""Limit on the elements of all variables, and on the inputs that all outputs name."""
 
 
 def check(root: Any, problems: list[str], warnings: list[str]) -> None:
-    """Names, references, start values, bounds, units and dimensions of all variables."""
+    """Check names, references, start values, bounds, units and dimensions of all variables."""
     units = {unit.get("name") for unit in root.findall("UnitDefinitions/Unit")}
     types = {entry.get("name") for entry in root.findall("TypeDefinitions/*")}
     names: set[str] = set()
@@ -50,7 +50,7 @@ def check(root: Any, problems: list[str], warnings: list[str]) -> None:
 
 
 def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
-    """The facts that matter; every array as its elements."""
+    """Interface from the tree; every array as its elements."""
     types = {entry.get("name"): entry for entry in root.findall("TypeDefinitions/*")}
     entries = [entry for entry in root.find("ModelVariables") if entry.tag != "Clock"]
     by_reference = {entry.get("valueReference"): entry for entry in entries}
@@ -83,7 +83,7 @@ def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
 
 
 def _size(dimension: Any, by_reference: dict[str, Any]) -> str:
-    """Size of a dimension as it is written; a structural parameter counts at its start value."""
+    """Size of a dimension as it is written; a structural parameter counts with its start value."""
     if (text := dimension.get("start")) is not None:
         return str(text)
     behind = by_reference.get(dimension.get("valueReference"))
@@ -96,7 +96,7 @@ def _shape(entry: Any, by_reference: dict[str, Any]) -> list[int]:
 
 
 def _dependencies(root: Any, by_reference: dict[str, Any]) -> dict[str, tuple[str, ...] | None]:
-    """Inputs that each output names as those it follows; None where it names none, or too many."""
+    """Inputs on which each output depends; None where it lists none, or all list too many."""
     inputs = {
         reference: list(_names(entry, by_reference))
         for reference, entry in by_reference.items()
@@ -131,17 +131,17 @@ def _elements(
     by_reference: dict[str, Any],
     depends: dict[str, tuple[str, ...] | None],
 ) -> Iterator[Variable]:
-    """One variable for each element; numbers as floats, the declared type's facts filled in."""
+    """One variable for each element; numbers as floats, attributes of its type filled in."""
     kind = str(entry.tag)
     behind = types.get(entry.get("declaredType"))
 
-    def said(key: str) -> str | None:
+    def attribute(key: str) -> str | None:
         own: str | None = entry.get(key)
         return own if own is not None or behind is None else behind.get(key)
 
     names = list(_names(entry, by_reference))
     starts = _starts(entry, kind, len(names))
-    least, most = (said(key) if kind in BOUNDED else None for key in ("min", "max"))
+    least, most = (attribute(key) if kind in BOUNDED else None for key in ("min", "max"))
     items = behind.findall("Item") if kind == "Enumeration" and behind is not None else []
     reference = entry.get("valueReference")
     usual = "continuous" if kind.startswith("Float") else "discrete"
@@ -152,7 +152,7 @@ def _elements(
             reference=int(reference),
             kind=kind,
             causality=causality,
-            unit=said("unit") or "",
+            unit=attribute("unit") or "",
             description=entry.get("description") or "",
             start=starts[element],
             least=None if least is None else float(least),
@@ -168,7 +168,7 @@ def _elements(
 
 
 def _starts(entry: Any, kind: str, count: int) -> list[float | str | None]:
-    """Start value of each element; one value stands for all."""
+    """Start value of each element; one value counts for all."""
     if kind in {"String", "Binary"}:
         given: list[Any] = [start.get("value") for start in entry.findall("Start")]
     else:

@@ -1,7 +1,7 @@
 """Reading a model description with care.
 
 The XML is parsed once, guarded (no DOCTYPE, bounded depth), validated against the schema of
-FMI that fmpy carries, checked for what the schema does not see, and reduced to the few facts
+FMI that fmpy contains, checked for what the schema does not cover, and reduced to the few facts
 that wiring and running need.
 """
 
@@ -25,7 +25,7 @@ VERSIONS: dict[str, ModuleType] = {"2.0": fmi2, "3.0": fmi3}
 
 
 def read_interface(path: Path) -> Interface:
-    """Interface of an FMU file; `FmuError` with file, line and cause where it is unfit."""
+    """Interface of an FMU file; `FmuError` with file, line and cause where it cannot be used."""
     text = read_description(path)
     root = guarded(f"{path}: modelDescription.xml", text)
     version = _version(path, root)
@@ -53,10 +53,10 @@ def _schema(version: str) -> Any:
 
 
 def _against_schema(root: Any, text: bytes, version: str) -> list[str]:
-    """What the schema objects to, with lines where the document is of a usual size.
+    """Violations of the schema, with lines where the document is of a usual size.
 
     Collecting all faults takes quadratic time in their number; a parser that validates
-    stops at the first, but knows no line.
+    stops at the first, but does not give its line.
     """
     from lxml import etree
 
@@ -89,7 +89,7 @@ def _version(path: Path, root: Any) -> str:
 
 
 def _check_kind(path: Path, root: Any) -> None:
-    """Refuse what is no co-simulation FMU with a sane identifier."""
+    """Refuse an FMU that is not for co-simulation, or whose identifier is not a C identifier."""
     kind = root.find("CoSimulation")
     if kind is None:
         raise FmuError(f"{path}: not a co-simulation FMU; export it for co-simulation")

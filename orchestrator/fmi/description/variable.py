@@ -13,7 +13,7 @@ WHOLE = (*SIGNED, *UNSIGNED)
 EVENT = "next_event_time"
 """An output that announces the time [s] of the next discontinuity."""
 EXACT = 2**53 - 1
-"""Whole numbers up to here travel without loss: no other one rounds to the same double."""
+"""Whole numbers up to here pass without loss: no other one rounds to the same double."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Variable:
     """One scalar variable of an FMU, or one element of an array.
 
     Arrays (FMI 3) appear as their elements, named `x[1]`, `x[2,3]`; `element` counts them from 0
-    in the order in which they travel, `extent` is how many there are under the reference.
+    in the order in which they are passed, `extent` is their number under the reference.
     `codes` are the numbers of an enumeration's `choices`.
     """
 
@@ -55,12 +55,12 @@ class Variable:
 
     @property
     def numeric(self) -> bool:
-        """Whether it travels between units: a number, a choice, or true and false."""
+        """Whether it passes between instances: a number, a choice, or true and false."""
         return self.real or self.kind in WHOLE or self.kind in {"Boolean", "Enumeration"}
 
     @property
     def tunable(self) -> bool:
-        """Whether it may be set while the unit runs."""
+        """Whether it may be set while the instance runs."""
         return self.causality == "input" or self.variability == "tunable"
 
     def span(self) -> tuple[float, float] | None:

@@ -20,10 +20,10 @@ def open_instance(
     isolate: bool | None = None,
     limits: Limits = USUAL,
 ) -> Instance:
-    """Instance of the FMU unpacked in `folder`; foreign ones in a process of their own.
+    """Instance of the FMU unpacked in `folder`; a foreign one runs in a process of its own.
 
     `isolate` overrides that. Raises `FmuError` where the FMU has no library for this platform,
-    `InstanceFailure` where it does not come to life.
+    `InstanceFailure` where it cannot be instantiated.
     """
     if isolate if isolate is not None else not interface.ours:
         from .isolated import IsolatedInstance

@@ -1,8 +1,8 @@
-"""What a unit is to the master, wherever it runs.
+"""An instance as a master uses it, wherever it runs.
 
 Legal order of calls, as in FMI: `connect`, `prepare` (parameters), `enter_initialisation`,
 then any number of `send` and `receive`, `exit_initialisation`, then `send`, `step`,
-`receive` in rounds, at last `close`. After a `InstanceFailure` only `restore`, `forget` and
+`receive` in rounds, at last `close`. After an `InstanceFailure` only `restore`, `forget` and
 `close` may follow.
 """
 
@@ -27,7 +27,7 @@ Values = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Limits:
-    """What an isolated unit may take: seconds for one call, bytes of memory."""
+    """What an isolated instance may use: seconds for one call, bytes of memory."""
 
     patience: float = 30.0
     memory: int = 4 << 30
@@ -37,13 +37,13 @@ class Instance(ABC):
     """An instance of an FMU.
 
     Inputs and outputs travel through the buffers given to :meth:`connect`, in the order of
-    the variables given there. Time is the caller's: a unit only passes it on.
+    the variables given there. The caller keeps the time: an instance only passes it on.
     """
 
     def __init__(self, name: str, interface: Interface) -> None:
         self.name = name
         self.interface = interface
-        self.heard = 0
+        self.message_count = 0
         self._first: list[str] = []
         self._last = ""
         self.steps = 0
@@ -68,7 +68,7 @@ class Instance(ABC):
 
     @abstractmethod
     def read_whole_at_once(self) -> None:
-        """Let every `receive` read all outputs: for units that no later pass reads again."""
+        """Let every `receive` read all outputs: for instances that no later pass reads again."""
 
     @abstractmethod
     def enter_initialisation(self) -> None:
@@ -76,15 +76,15 @@ class Instance(ABC):
 
     @abstractmethod
     def exit_initialisation(self) -> None:
-        """End initialisation mode; the unit can step."""
+        """End initialisation mode; the instance can step."""
 
     @abstractmethod
     def send(self) -> None:
-        """Pass the input buffer to the unit."""
+        """Pass the input buffer to the FMU."""
 
     @abstractmethod
     def step(self, time: float, size: float) -> None:
-        """Advance from `time` by `size` [s]; `InstanceFailure` unless the unit says OK."""
+        """Advance from `time` by `size` [s]; `InstanceFailure` unless the status is OK."""
 
     @abstractmethod
     def receive(self, group: int = -1) -> None:
@@ -120,15 +120,15 @@ class Instance(ABC):
         self._faults.value = count
 
     def log(self, status: int, message: str) -> None:
-        """Keep a message of the unit; of many the first ones and the last.
+        """Keep a message of the FMU; of many, the first ones and the last.
 
-        A message with an error counts as a fault even where the call itself says OK: a
-        getter of an exported Python part has no other way to say that there is no answer.
+        A message with an error counts as a fault even where the call itself returns OK: a
+        getter of an exported Python part has no other way to report that it has no value.
         """
         self.faults += status in FAULTY
         if not message:
             return
-        self.heard += 1
+        self.message_count += 1
         if len(self._first) < MOST_MESSAGES - 1:
             self._first.append(self._shown(message))
         else:
@@ -136,12 +136,12 @@ class Instance(ABC):
 
     @property
     def messages(self) -> list[str]:
-        """What is kept of the unit's messages, safe to print."""
+        """The messages that were kept, safe to print."""
         return [*self._first, self._shown(self._last)] if self._last else list(self._first)
 
     def _shown(self, message: str) -> str:
         return printable(message, most=500).removeprefix(f"{self.name}: ")
 
-    def said(self) -> str:
-        """The last message of the unit, to go behind an error."""
-        return f": {self.messages[-1]}" if self.heard else ""
+    def last_message(self) -> str:
+        """`: ` and the last message, to be appended to an error; "" without messages."""
+        return f": {self.messages[-1]}" if self.message_count else ""

@@ -1,7 +1,7 @@
 """Values between the master's float buffers and the typed arrays of an FMU.
 
-One block for each FMI type: references, a typed staging array, and where its elements stand in
-the buffer. A lone block of scalar doubles in order needs no staging: the FMU then reads and
+One block for each FMI type: references, a typed staging array, and the places of its elements
+in the buffer. A lone block of scalar doubles in order needs no staging: the FMU then reads and
 writes the buffer itself.
 """
 
@@ -30,17 +30,16 @@ DTYPES: dict[str, Any] = {
     "Int64": np.int64,
     "UInt64": np.uint64,
 }
-TOO_WIDE = "a whole number on an output is beyond 2^53: no double holds it"
 WIDE = ("Int64", "UInt64", "Enumeration")
 
 Binder = Callable[[str, list[int], Any], Callable[[], int]]
-"""Makes a call without arguments from FMI type, value references and typed array."""
+"""Makes a call without arguments from an FMI type, value references and a typed array."""
 
 
 class Block:
-    """Variables of one FMI type that travel together; arrays travel whole.
+    """Variables of one FMI type that are passed together; arrays are passed whole.
 
-    `begin` says where each reference starts in the staging array; `buffer` and `places` pair
+    `begin` is where each reference starts in the staging array; `buffer` and `places` pair
     the elements in use with their places in the master's buffer.
     """
 
@@ -57,7 +56,7 @@ class Block:
         self.places = np.array([self.begin[v.reference] + v.element for _, v in entries])
 
     def preset(self, variables: Iterable[Variable], start: Mapping[str, float | str]) -> None:
-        """Fill the elements of arrays, those that no wire reaches too, with start values."""
+        """Fill all elements of arrays with start values, also those that no wire reaches."""
         for v in variables:
             if v.reference in self.begin and v.extent > 1:
                 value = start.get(v.name, v.start)
@@ -72,6 +71,19 @@ class Block:
         """Whether the FMU may work on the buffer itself."""
         whole = len(self.buffer) == count == len(self.staging)
         return whole and dtype == np.float64 and bool((self.places == np.arange(count)).all())
+
+
+def is_too_wide(block: Block) -> bool:
+    """Whether a block that has been read holds a whole number that no double holds."""
+    if block.kind not in WIDE:
+        return False
+    found = block.staging[block.places]
+    return max(int(found.max()), -int(found.min())) > EXACT
+
+
+def too_wide(kind: str) -> str:
+    """What is wrong with a whole number of some type that no double holds."""
+    return f"an output of type {kind} is beyond 2^53: no double holds it"
 
 
 def blocks(variables: list[Variable], dtypes: Mapping[str, Any]) -> list[Block]:
@@ -103,7 +115,7 @@ def writer(made: list[Block], values: Values, bind: Binder) -> Callable[[], int]
 def reader(name: str, made: list[Block], values: Values, bind: Binder) -> Callable[[], int]:
     """Call that fills the buffer from the FMU.
 
-    Raises `InstanceFailure`, in the name of the unit, on a whole number that no double holds.
+    Raises `InstanceFailure`, with the name of the instance, on a whole number that no double holds.
     """
     if not made:
         return _nothing
@@ -116,8 +128,8 @@ def reader(name: str, made: list[Block], values: Values, bind: Binder) -> Callab
         for block, call in calls:
             worst = max(worst, call())
             found = block.staging[block.places]
-            if block.kind in WIDE and max(int(found.max()), -int(found.min())) > EXACT:
-                raise InstanceFailure(f"{name}: {TOO_WIDE}")
+            if is_too_wide(block):
+                raise InstanceFailure(f"{name}: {too_wide(block.kind)}")
             values[block.buffer] = found
         return worst
 

@@ -106,21 +106,21 @@ class Fmi2Instance(InProcessInstance):
 
 @functools.cache
 def _logger() -> Any:
-    """The one callback of all units; fmpy's proxy keeps it for the life of the process."""
+    """The one callback of all instances; fmpy's proxy keeps it until the process ends."""
     from fmpy import fmi2
 
-    return fmi2.fmi2CallbackLoggerTYPE(_heard)
+    return fmi2.fmi2CallbackLoggerTYPE(_log)
 
 
-def _heard(
+def _log(
     environment: int | None, instance: bytes, status: int, category: bytes, message: bytes | None
 ) -> None:
-    """Logger of all units of FMI 2."""
+    """Logger of all instances of FMI 2."""
     route(environment, status, message)
 
 
 def _format_varargs(callbacks: Any) -> None:
-    """Let fmpy's proxy format the C varargs of log messages, where it is there."""
+    """Let fmpy's proxy format the C varargs of log messages, where fmpy has one."""
     try:
         from fmpy.logging import addLoggerProxy
     except Exception:

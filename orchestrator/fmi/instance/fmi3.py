@@ -1,8 +1,8 @@
 """FMI 3.0 for co-simulation.
 
-No event mode and no early return are asked for, so an FMU handles its events inside its step,
-as FMI 3 then demands. One that announces an event, returns early or asks for the end all the
-same is refused with that reason.
+Instances are made without event mode and early return, so an FMU handles its events inside its
+step, as FMI 3 then demands. One that requests event mode, returns early or requests the end all
+the same is refused with that reason.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ class Fmi3Instance(InProcessInstance):
         self._terminate = ctypes.c_bool()
         self._early = ctypes.c_bool()
         self._reached = ctypes.c_double()
-        told = (self._event, self._terminate, self._early, self._reached)
-        self._flags = tuple(ctypes.addressof(entry) for entry in told)
+        results = (self._event, self._terminate, self._early, self._reached)
+        self._flags = tuple(ctypes.addressof(entry) for entry in results)
         resources = folder / "resources"
         return instantiate(
             self.name.encode(),
@@ -113,20 +113,20 @@ class Fmi3Instance(InProcessInstance):
         return status
 
     def _refuse(self, time: float, size: float) -> None:
-        """`InstanceFailure` where the step did not simply go through."""
+        """`InstanceFailure` where the step requests the end or event mode, or returned early."""
         where = f"{self.name}: step from t = {time:.9g} s by {size:.4g} s"
         if self._terminate.value:
             raise InstanceFailure(
-                f"{where}: the unit asks for the end of the simulation{self.said()}"
+                f"{where}: the FMU requests the end of the simulation{self.last_message()}"
             )
         if self._early.value:
             raise InstanceFailure(
-                f"{where}: the unit returned early, at t = {self._reached.value:.9g} s, which it"
-                " was not allowed to; export it without early return"
+                f"{where}: the FMU returned early, at t = {self._reached.value:.9g} s, which it"
+                " was not allowed to do; export it without early return"
             )
         if self._event.value:
             raise InstanceFailure(
-                f"{where}: the unit asks for event mode, which it was not given; export it so"
+                f"{where}: the FMU requests event mode, which it was not given; export it so"
                 " that it handles its events inside a step"
             )
 
@@ -136,12 +136,12 @@ class Fmi3Instance(InProcessInstance):
 
 @functools.cache
 def _logger() -> Any:
-    """The one callback of all units, there for the life of the process."""
+    """The one callback of all instances, kept until the process ends."""
     from fmpy.fmi3 import fmi3LogMessageCallback
 
-    return fmi3LogMessageCallback(_heard)
+    return fmi3LogMessageCallback(_log)
 
 
-def _heard(environment: int | None, status: int, category: bytes, message: bytes | None) -> None:
-    """Logger of all units of FMI 3."""
+def _log(environment: int | None, status: int, category: bytes, message: bytes | None) -> None:
+    """Logger of all instances of FMI 3."""
     route(environment, status, message)

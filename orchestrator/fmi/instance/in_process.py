@@ -16,12 +16,14 @@ import numpy as np
 from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable
 from .base import STATUS, Instance, Values
-from .buffers import TOO_WIDE, Block, blocks, reader, writer
+from .buffers import Block, blocks, is_too_wide, reader, too_wide, writer
 from .library import loaded, shared_library
 
 FATAL = 4
 SEND, STEP, RECEIVE_FIRST, RECEIVE, SAVE, RESTORE, FORGET, REFUSED, BEYOND = range(9)
-"""Which call of an instance has failed: as `loop.h` of the compiled loop numbers them."""
+"""Which call of an instance has failed, as `loop.h` of the compiled loop numbers them."""
+
+STATE_VERBS = {SAVE: "Get", RESTORE: "Set", FORGET: "Free"}
 
 Calls = tuple[list[tuple[Block, int]], Values]
 
@@ -30,7 +32,8 @@ Calls = tuple[list[tuple[Block, int]], Values]
 class Binding:
     """An instance for a caller in C: addresses of functions, and the blocks to call them with.
 
-    `flags` are the addresses of the results of an FMI 3 step; `faults` counts error messages.
+    `flags` are the addresses of the results of an FMI 3 step, `states` those of get, set and free
+    of FMU states; `faults` counts error messages.
     """
 
     component: Any
@@ -38,6 +41,7 @@ class Binding:
     faults: ctypes.c_int32
     saved: int
     flags: tuple[int, ...]
+    states: tuple[int, int, int]
     set: Calls
     get: list[Calls]
 
@@ -50,8 +54,8 @@ def address(function: Any) -> int:
 class InProcessInstance(Instance):
     """An instance called through preallocated buffers.
 
-    Subclasses say how their version of FMI names and shapes its functions; `dtypes` are the
-    array types of the values that travel.
+    Subclasses define how their version of FMI names and shapes its functions; `dtypes` are the
+    array types of the values that are passed.
     """
 
     PREFIX: ClassVar[str]
@@ -62,7 +66,7 @@ class InProcessInstance(Instance):
         self._running = False
         self._instance: Any = None
         self._broken = False
-        self._why = ""
+        self._reason = ""
         self._saved = 0
         self._functions: dict[str, Any] = {}
         self._do_step: Any = None
@@ -70,7 +74,7 @@ class InProcessInstance(Instance):
         self._library = loaded(interface, shared_library(interface, folder))
         self._instance = self._instantiate(folder)
         if not self._instance:
-            raise InstanceFailure(f"{name}: cannot be instantiated{self.said()}")
+            raise InstanceFailure(f"{name}: cannot be instantiated{self.last_message()}")
         self._send: Callable[[], int] = _nothing
         self._receive: list[Callable[[], int]] = []
         self._sent: list[Block] = []
@@ -102,7 +106,7 @@ class InProcessInstance(Instance):
         """Call without arguments that gets or sets variables of one type."""
 
     def _set_starts(self, start: Mapping[str, float | str]) -> None:
-        """Set start values by name; arrays with what has been set of them before."""
+        """Set start values by name; other elements of an array keep what was set before."""
         self._start = {**self._start, **start}
         every = self.interface.variables.values()
         variables = [self.interface.variables[name] for name in start]
@@ -110,7 +114,7 @@ class InProcessInstance(Instance):
         for v in variables:
             if v.kind == "Binary" or (v.kind == "String" and v.extent > 1):
                 raise InstanceFailure(
-                    f"{self.name}: {v.name} is no number or text: it cannot be set"
+                    f"{self.name}: {v.name} is neither a number nor a text: it cannot be set"
                 )
             if v.kind == "String":
                 self._set_text(v, str(start[v.name]))
@@ -171,7 +175,7 @@ class InProcessInstance(Instance):
 
     @abstractmethod
     def _advance(self, time: float, size: float) -> int:
-        """Status of one doStep; a saved state is said to be kept for a rollback."""
+        """Status of one doStep, which may be rolled back only while a state is saved."""
 
     def save(self) -> Any:
         state = ctypes.c_void_p()
@@ -190,13 +194,14 @@ class InProcessInstance(Instance):
             self._call(self._state_function("Free"), ctypes.addressof(state))
 
     def binding(self) -> Binding:
-        """What a caller in C needs: functions, blocks and buffers, all of them kept alive here."""
+        """What a caller in C needs: functions, blocks and buffers, all of them kept here."""
         return Binding(
             component=self._instance,
             do_step=address(self._do_step),
             faults=self._faults,
             saved=self._saved,
             flags=self._flags,
+            states=self._state_addresses(),
             set=([(b, self._transfer("Set", b.kind)) for b in self._sent], self._given),
             get=[
                 ([(b, self._transfer("Get", b.kind)) for b in made], values)
@@ -207,15 +212,25 @@ class InProcessInstance(Instance):
     def explain(self, phase: int, status: int, time: float, size: float) -> NoReturn:
         """Raise the `InstanceFailure` of a call that was made in C, by its place in the loop."""
         if phase == BEYOND:
-            raise InstanceFailure(f"{self.name}: {TOO_WIDE}")
+            kinds = [b.kind for made, _ in self._read for b in made if is_too_wide(b)]
+            raise InstanceFailure(f"{self.name}: {too_wide(kinds[0])}")
         if phase == REFUSED:
             self._refuse(time, size)
         if phase == SEND:
             self._fail("setting inputs", status)
         if phase in (RECEIVE, RECEIVE_FIRST):
             self._fail("reading outputs", status)
+        if phase in STATE_VERBS:
+            self._fail(self._state_function(STATE_VERBS[phase]).__name__, status)
         self._fail(f"step from t = {time:.9g} s by {size:.4g} s", status)
-        raise InstanceFailure(self._why)
+        raise InstanceFailure(self._reason)
+
+    def _state_addresses(self) -> tuple[int, int, int]:
+        """Get, Set and Free of FMU states; zeros for an FMU that has none."""
+        if not self.interface.rollback:
+            return 0, 0, 0
+        get, put, free = (address(self._state_function(v)) for v in ("Get", "Set", "Free"))
+        return get, put, free
 
     def _transfer(self, verb: str, kind: str) -> int:
         """Address of the function that sets or gets one type."""
@@ -246,7 +261,7 @@ class InProcessInstance(Instance):
 
     def _call(self, function: Any, *arguments: Any) -> None:
         if self._broken:
-            raise InstanceFailure(self._why)
+            raise InstanceFailure(self._reason)
         if status := function(self._instance, *arguments):
             self._fail(function.__name__, status)
 
@@ -255,8 +270,8 @@ class InProcessInstance(Instance):
             return
         self._broken = status >= FATAL
         label = STATUS[status] if 0 <= status < len(STATUS) else f"status {status}"
-        self._why = f"{self.name}: {what}: {label}{self.said()}"
-        raise InstanceFailure(self._why)
+        self._reason = f"{self.name}: {what}: {label}{self.last_message()}"
+        raise InstanceFailure(self._reason)
 
 
 _listeners: WeakValueDictionary[int, Instance] = WeakValueDictionary()
@@ -264,10 +279,10 @@ _numbers = itertools.count(1)
 
 
 def listen(instance: Instance) -> int:
-    """Number under which a unit's messages come back.
+    """Number that comes back with each message of an instance.
 
     fmpy's proxy for C varargs keeps one logger for the whole process, the last one given;
-    the environment handed to the instance is what still tells the units apart.
+    only the environment that is given to each instance still distinguishes them.
     """
     number = next(_numbers)
     _listeners[number] = instance
@@ -275,7 +290,7 @@ def listen(instance: Instance) -> int:
 
 
 def route(environment: int | None, status: int, message: bytes | None) -> None:
-    """Hand a message to the unit that it comes from."""
+    """Pass a message to the instance that it comes from."""
     instance = _listeners.get(environment or 0)
     if instance is not None:
         instance.log(status, (message or b"").decode("utf-8", "replace"))

@@ -1,4 +1,4 @@
-"""A unit in a process of its own: foreign code that crashes, hangs or hoards ends itself alone."""
+"""An instance in a process of its own: a crash, a hang or full memory ends that process alone."""
 
 from __future__ import annotations
 
@@ -20,18 +20,19 @@ from ..description import Interface, Variable
 from .base import Instance, Limits, Values
 from .protocol import STEP, Garbled, Gone, command, read_answer, write_all
 
-LAST_WORDS = 4000
-FAREWELL = 2.0
-"""Seconds that a unit gets to terminate and free itself at the end."""
+KEPT_OUTPUT = 4000
+"""Bytes that are kept of what a process prints."""
+CLOSING_TIME = 2.0
+"""Seconds that an instance gets to terminate and free itself at the end."""
 
 
 class IsolatedInstance(Instance):
-    """The master's end of an isolated unit.
+    """The master's end of an isolated instance.
 
-    A step is one round trip: inputs, doStep and outputs together. A call without an answer
-    within `limits.patience` has its process killed; before the first call of the FMU a process
-    that lives is waited for, however long it takes to come up. `lost` is a process that has
-    ended, or that owes an answer still.
+    A step is one round trip: inputs, doStep and outputs together. Where a call has no answer
+    within `limits.patience`, the process is killed; before the first call of the FMU a running
+    process is waited for, however long it takes to start. `_lost` is set once the process has
+    ended, and while an answer is outstanding.
     """
 
     def __init__(self, name: str, interface: Interface, folder: Path, limits: Limits) -> None:
@@ -42,7 +43,7 @@ class IsolatedInstance(Instance):
         self._fresh = False
         self._current = False
         self._lost = False
-        self._why = f"{name}: its process has been given up"
+        self._reason = f"{name}: its process has been given up"
         try:
             self._process = _started(folder)
         except OSError as error:
@@ -50,7 +51,7 @@ class IsolatedInstance(Instance):
             raise InstanceFailure(f"{name}: {reason}") from None
         assert self._process.stdin and self._process.stdout and self._process.stderr
         self._to, self._from = self._process.stdin.fileno(), self._process.stdout.fileno()
-        self._words = _Tail(self._process.stderr)
+        self._output_tail = _Tail(self._process.stderr)
         self._watch = _Watch(self._process, math.inf)
         try:
             path, memory = str(interface.path.resolve()), limits.memory
@@ -62,52 +63,52 @@ class IsolatedInstance(Instance):
             raise
 
     def _ask(self, letter: bytes, given: Any, what: str) -> Any:
-        """A command with JSON; what the answer says."""
+        """Send a command with JSON; the text of the answer."""
         payload = b"" if given is None else json.dumps(given).encode()
         return self._exchange(letter, payload, what)[0]
 
     def _exchange(self, letter: bytes, payload: bytes, what: str) -> tuple[Any, bytes]:
-        """One round trip; `InstanceFailure` where the unit fails, dies or does not answer."""
+        """One round trip; `InstanceFailure` where the FMU fails or its process does not answer."""
         if self._lost:
-            raise InstanceFailure(self._why)
+            raise InstanceFailure(self._reason)
         self._lost = True
         self._watch.begin()
         try:
             write_all(self._to, command(letter, payload))
-            kind, said, messages, values = read_answer(self._from)
+            kind, text, messages, values = read_answer(self._from)
         except Gone:
-            self._why = f"{self.name}: {what}: {self._fate()}{self.said()}"
-            raise InstanceFailure(self._why) from None
+            self._reason = f"{self.name}: {what}: {self._end_of_process()}{self.last_message()}"
+            raise InstanceFailure(self._reason) from None
         except Garbled:
-            self._why = f"{self.name}: {what}: its process gave no sane answer"
-            raise InstanceFailure(self._why) from None
+            self._reason = f"{self.name}: {what}: its process sent an answer that cannot be read"
+            raise InstanceFailure(self._reason) from None
         finally:
             self._watch.end()
         self._lost = False
         for message in messages:
             self.log(0, message)
         if kind == b"k":
-            return said, values
-        raise (FmuError if kind == b"e" else InstanceFailure)(str(said))
+            return text, values
+        raise (FmuError if kind == b"e" else InstanceFailure)(str(text))
 
-    def _fate(self) -> str:
-        """What has become of the process, which has closed its pipe."""
+    def _end_of_process(self) -> str:
+        """How the process ended, which has closed its pipe."""
         try:
-            code = self._process.wait(FAREWELL)
+            code = self._process.wait(CLOSING_TIME)
         except subprocess.TimeoutExpired:
             _kill(self._process)
             code = self._process.wait()
         if self._watch.fired:
-            fate = f"no answer within {self._watch.patience:g} s; its process was stopped"
+            end = f"no answer within {self._watch.patience:g} s; its process was stopped"
         elif code < 0:
             names = {entry.value: entry.name for entry in signal.Signals}
-            fate = f"its process died of {names.get(-code, f'signal {-code}')}"
+            end = f"its process was ended by {names.get(-code, f'signal {-code}')}"
         else:
-            fate = f"its process ended itself with exit code {code}"
+            end = f"its process ended with exit code {code}"
         if not self._watch.fired and _largest_child() > 0.9 * self._limits.memory:
-            fate += f", it seems for want of memory: it may take {_in_bytes(self._limits.memory)}"
-        words = self._words.text()
-        return f"{fate}; its last words: {words}" if words else fate
+            end += f", probably out of memory: its limit is {_in_bytes(self._limits.memory)}"
+        line = self._output_tail.last_line()
+        return f"{end}; its last output: {line}" if line else end
 
     def prepare(
         self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
@@ -130,7 +131,7 @@ class IsolatedInstance(Instance):
         self._ask(b"c", {"inputs": [v.name for v in inputs], "outputs": names}, "connecting")
 
     def read_whole_at_once(self) -> None:
-        """Nothing to do: an isolated unit always reads all outputs."""
+        """Nothing to do: an isolated instance always reads all outputs."""
 
     def enter_initialisation(self) -> None:
         self._ask(b"i", None, "entering initialisation")
@@ -139,7 +140,7 @@ class IsolatedInstance(Instance):
         self._ask(b"x", None, "leaving initialisation")
 
     def send(self) -> None:
-        """Leave the inputs to the next call, which takes them along."""
+        """Leave the inputs to the next call, which passes them on."""
         self._fresh = True
         self._current = False
 
@@ -160,11 +161,11 @@ class IsolatedInstance(Instance):
         self._fresh = False
         self._current = True
         if len(values) != self._outputs.nbytes:
-            raise InstanceFailure(f"{self.name}: its process answered with other values than asked")
+            raise InstanceFailure(f"{self.name}: its process sent other values than were asked for")
         self._outputs[:] = np.frombuffer(values)
 
     def _flush(self) -> None:
-        """Hand over inputs that wait, before a state is taken."""
+        """Pass on inputs that wait, before a state is saved."""
         if self._fresh:
             self._exchange(b"g", b"\x00" + self._inputs.tobytes(), "setting inputs")
             self._fresh = False
@@ -183,15 +184,15 @@ class IsolatedInstance(Instance):
             self._ask(b"f", state, "freeing a state")
 
     def close(self) -> None:
-        """End the process: by asking, or where that fails by force. No orphan is left."""
+        """End the process by a command or, where that fails, by force. No orphan is left."""
         process = self._process
         try:
             if process.poll() is None and not self._lost:
-                self._watch.patience = min(FAREWELL, self._limits.patience)
+                self._watch.patience = min(CLOSING_TIME, self._limits.patience)
                 self._ask(b"q", None, "closing")
                 self._lost = True
                 process.stdin.close()  # type: ignore[union-attr]
-                process.wait(FAREWELL)
+                process.wait(CLOSING_TIME)
         except (InstanceFailure, FmuError, OSError, subprocess.TimeoutExpired) as error:
             self.log(0, str(error))
         finally:
@@ -199,14 +200,14 @@ class IsolatedInstance(Instance):
             _kill(process)
             process.wait()
             self._watch.stop()
-            self._words.stop()
+            self._output_tail.stop()
             for stream in (process.stdin, process.stdout):
                 with suppress(OSError):
                     stream.close()  # type: ignore[union-attr]
 
 
 def _started(folder: Path) -> subprocess.Popen[bytes]:
-    """A process for one unit, which finds this package where this process has it."""
+    """A process for one instance, which imports this package from where this process has it."""
     here = str(Path(__file__).resolve().parents[3])
     path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH", "")]))
     return subprocess.Popen(
@@ -231,7 +232,7 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
 
 
 def _largest_child() -> float:
-    """Most memory [byte] that any process of ours that has ended had; 0 where nobody knows."""
+    """Most memory [byte] that any ended child of this process had; 0 where it is unknown."""
     try:
         import resource
     except ImportError:
@@ -241,7 +242,7 @@ def _largest_child() -> float:
 
 
 def _in_bytes(count: int) -> str:
-    """A number of bytes in MB, as scenarios have it."""
+    """A number of bytes in MB, as it is written in scenarios."""
     return f"{count / 1e6:.4g} MB"
 
 
@@ -257,23 +258,24 @@ class _Tail:
     def _read(self) -> None:
         with self._stream as stream:
             while chunk := os.read(stream.fileno(), 1 << 16):
-                self._kept = (self._kept + chunk)[-LAST_WORDS:]
+                self._kept = (self._kept + chunk)[-KEPT_OUTPUT:]
 
-    def text(self) -> str:
-        """The last line, safe to print; of what came through in time."""
+    def last_line(self) -> str:
+        """The last line that has arrived, safe to print."""
         self._thread.join(0.5)
         lines = self._kept.decode("utf-8", "replace").split("\n")
         last = [line.strip() for line in lines if line.strip()][-1:]
         return printable(last[0], most=300) if last else ""
 
     def stop(self) -> None:
-        self._thread.join(FAREWELL)
+        self._thread.join(CLOSING_TIME)
 
 
 class _Watch:
     """Kills a process whose call has begun and not ended within `patience` seconds.
 
-    Seconds count in which this process runs: who is stopped and goes on finds its units alive.
+    Only time in which this process runs counts: a master that is stopped and continued keeps its
+    instances.
     """
 
     def __init__(self, process: subprocess.Popen[bytes], patience: float) -> None:

@@ -1,4 +1,4 @@
-"""The process of an isolated unit: one FMU instance behind a pipe.
+"""The process of an isolated instance: one FMU instance behind a pipe.
 
 Started as `python -m orchestrator.fmi.instance.isolated_child` with the pipe as standard input
 and output; what the FMU itself prints goes to standard error. It ends when the pipe does, or when
@@ -32,7 +32,7 @@ class Host:
     def __init__(self) -> None:
         self.instance: InProcessInstance | None = None
         self.interface: Interface | None = None
-        self.told = 0
+        self.reported = 0
         self.states: dict[int, Any] = {}
         self.inputs = np.zeros(0)
         self.outputs = np.zeros(0)
@@ -43,23 +43,23 @@ class Host:
             letter, size = COMMAND.unpack(read_exactly(commands, COMMAND.size))
             payload = read_exactly(commands, size)
             try:
-                text, values = self.obey(letter.decode(), payload)
-                reply = answer(b"k", self._news(text), values)
+                text, values = self.execute(letter.decode(), payload)
+                reply = answer(b"k", self._with_messages(text), values)
             except InstanceFailure as error:
-                reply = answer(b"f", self._news(str(error)))
+                reply = answer(b"f", self._with_messages(str(error)))
             except FmuError as error:
-                reply = answer(b"e", self._news(str(error)))
+                reply = answer(b"e", self._with_messages(str(error)))
             write_all(answers, reply)
 
-    def _news(self, text: Any) -> Any:
-        """What is to be said, with the messages that have come since the last answer."""
+    def _with_messages(self, text: Any) -> Any:
+        """Text of an answer, with the messages that have come since the last answer."""
         fresh: list[str] = []
-        if self.instance is not None and self.instance.heard > self.told:
-            fresh = self.instance.messages[self.told - self.instance.heard :]
-            self.told = self.instance.heard
-        return None if text is None and not fresh else {"said": text, "messages": fresh}
+        if self.instance is not None and self.instance.message_count > self.reported:
+            fresh = self.instance.messages[self.reported - self.instance.message_count :]
+            self.reported = self.instance.message_count
+        return None if text is None and not fresh else {"text": text, "messages": fresh}
 
-    def obey(self, letter: str, payload: bytes) -> tuple[Any, bytes]:
+    def execute(self, letter: str, payload: bytes) -> tuple[Any, bytes]:
         """Carry out one command; text and values of the answer."""
         if letter == "o":
             given = json.loads(payload)
@@ -72,10 +72,12 @@ class Host:
             self.instance = in_process(given["name"], self.interface, Path(given["folder"]))
             return None, b""
         if self.instance is None:
-            raise InstanceFailure("not open yet")
-        return self._obey(self.instance, letter, payload)
+            raise InstanceFailure("the instance is not open yet")
+        return self._execute(self.instance, letter, payload)
 
-    def _obey(self, instance: InProcessInstance, letter: str, payload: bytes) -> tuple[Any, bytes]:
+    def _execute(
+        self, instance: InProcessInstance, letter: str, payload: bytes
+    ) -> tuple[Any, bytes]:
         if letter == "d":
             size = STEP.size
             moment, step, fresh = STEP.unpack(payload[:size])
@@ -96,9 +98,9 @@ class Host:
             number = max(self.states, default=0) + 1
             self.states[number] = instance.save()
             return number, b""
-        return self._seldom(instance, letter, json.loads(payload or b"null")), b""
+        return self._control(instance, letter, json.loads(payload or b"null")), b""
 
-    def _seldom(self, instance: InProcessInstance, letter: str, given: Any) -> Any:
+    def _control(self, instance: InProcessInstance, letter: str, given: Any) -> Any:
         if letter == "r":
             instance.restore(self.states[given])
         elif letter == "f":
@@ -126,7 +128,7 @@ class Host:
 
 
 def _limit_memory(most: int) -> None:
-    """Cap what the FMU may allocate on top of what there is; no core files."""
+    """Limit what the FMU may allocate beyond what is in use; no core files."""
     try:
         import resource
     except ImportError:

@@ -1,4 +1,4 @@
-"""The shared library of an FMU: where it is, and how it leaves."""
+"""The shared library of an FMU: where it is, how it is loaded and how it is freed."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ..description import Interface
 
 
 def shared_library(interface: Interface, folder: Path) -> Path:
-    """Shared library of this platform; `FmuError` names the platforms that there are.
+    """Shared library of this platform; `FmuError` lists the platforms of the FMU.
 
-    It is named after the model identifier; one of another name is taken where it is alone.
+    It is named after the model identifier; a single library of another name is taken too.
     """
     from fmpy import platform, platform_tuple, sharedLibraryExtension
 
@@ -33,12 +33,12 @@ def shared_library(interface: Interface, folder: Path) -> Path:
     if others:
         listed = ", ".join(other.name for other in others)
         raise FmuError(
-            f"{interface.path}: no library {named.name} for {place}, but {listed}: which is it?"
-            " Name one after the model identifier"
+            f"{interface.path}: no library {named.name} for {place}, but {listed};"
+            " name the right one after the model identifier"
         )
     found = ", ".join(platforms(interface.path)) or "none"
     raise FmuError(
-        f"{interface.path}: no binary for {place} (there is: {found});"
+        f"{interface.path}: no binary for {place} (available: {found});"
         " rebuild the FMU for this platform"
     )
 
@@ -50,9 +50,9 @@ _ending: set[int] = set()
 def loaded(interface: Interface, path: Path) -> Any:
     """The library at a path, in this process.
 
-    One of ours is loaded once, however many runs unpack it: nothing takes a library out of a
-    process again, and thousands of copies, as a fit makes them, would use up its memory maps. One
-    of others may keep values from one instance to the next, so each run has a fresh copy.
+    A library of this project is loaded once, however many runs unpack it: nothing unloads it, and
+    thousands of copies, as a fit makes them, would use up the memory maps of the process. A foreign
+    library may keep values from one instance to the next, so each run has a fresh copy.
     """
     if not interface.ours:
         return _loaded(interface, path)
@@ -77,10 +77,10 @@ def _loaded(interface: Interface, path: Path) -> Any:
 
 
 def _end_in_order(library: Any) -> None:
-    """Have PythonFMU's interpreter state freed while the process is still whole.
+    """Have PythonFMU's interpreter state freed before libraries are unloaded.
 
-    Its library frees that state twice when the process takes it down, which corrupts the
-    heap and may abort a process that has done its work; freed before, it is null by then.
+    Its library frees that state twice when the process unloads it, which corrupts the heap
+    and may abort a process that has done its work; once freed, the state is null by then.
     """
     finish = getattr(library, "finalizePythonInterpreter", None)
     if finish is not None and library._handle not in _ending:

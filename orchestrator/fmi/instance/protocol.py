@@ -1,8 +1,8 @@
-"""Frames between a master and the process of an isolated unit.
+"""Frames between a master and the process of an isolated instance.
 
-A command is one letter, the length of what follows, JSON or raw doubles. An answer is a letter
-(`k` done, `f` the unit failed, `e` it cannot be used), the lengths of its text and its
-values, and both. Nothing is unpickled: the other side may be anybody's code.
+A command is one letter, the length of its payload, and the payload: JSON or raw doubles. An
+answer is a letter (`k` done, `f` the FMU failed, `e` it cannot be used), the lengths of its text
+and its values, and both. Nothing is unpickled: the other side may run any code.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ class Gone(Exception):
 
 
 class Garbled(Exception):
-    """What came through the pipe is no answer."""
+    """What came through the pipe is not an answer."""
 
 
 def read_exactly(descriptor: int, count: int) -> bytes:
-    """So many bytes from a pipe; `Gone` where it ends."""
+    """`count` bytes from a pipe; `Gone` where it ends."""
     chunk = os.read(descriptor, count) if count else b""
     if len(chunk) == count:
         return chunk
@@ -43,7 +43,7 @@ def read_exactly(descriptor: int, count: int) -> bytes:
 
 
 def write_all(descriptor: int, data: bytes) -> None:
-    """All bytes into a pipe; `Gone` where nobody reads."""
+    """Write all bytes into a pipe; `Gone` where its other end is closed."""
     try:
         while data:
             data = data[os.write(descriptor, data) :]
@@ -61,13 +61,13 @@ def answer(letter: bytes, text: Any = None, values: bytes = b"") -> bytes:
 
 
 def read_answer(descriptor: int) -> tuple[bytes, Any, list[str], bytes]:
-    """Letter, what is said, messages and values of an answer; `Garbled` where it is none."""
+    """Letter, text, messages and values of an answer; `Garbled` where it is not one."""
     letter, words, values = ANSWER.unpack(read_exactly(descriptor, ANSWER.size))
     if letter not in (b"k", b"f", b"e") or max(words, values) > MOST_BYTES:
         raise Garbled
     try:
-        text = json.loads(read_exactly(descriptor, words)) if words else {}
-        said, messages = text.get("said"), [str(m) for m in text.get("messages", [])]
+        found = json.loads(read_exactly(descriptor, words)) if words else {}
+        text, messages = found.get("text"), [str(m) for m in found.get("messages", [])]
     except (ValueError, TypeError, AttributeError, RecursionError):
         raise Garbled from None
-    return letter, said, messages, read_exactly(descriptor, values)
+    return letter, text, messages, read_exactly(descriptor, values)

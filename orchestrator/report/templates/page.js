@@ -25,7 +25,7 @@
     return size >= 1e5 || size < 1e-3 ? value.toExponential(2) : String(Number(value.toPrecision(4)));
   };
 
-  /* Where ticks stand between two ends, of which a logarithmic axis has the exponents. */
+  /* Places of ticks between two ends; on a logarithmic axis all are exponents. */
   const ticks = (low, high, log, room) => {
     if (log) {
       const found = [];
@@ -110,7 +110,7 @@
       });
     }
 
-    /* Ends of all data, or what the axis asks for, with some room around. */
+    /* Ends of all data with some room around, or those that the axis sets. */
     whole() {
       const ends = {};
       for (const way of ["x", "y"]) {
@@ -177,7 +177,7 @@
       this.point(this.at);
     }
 
-    /* A cursor at a value of the x axis; none where it is not given. */
+    /* A cursor at a value of the x axis; without a value it is out of sight. */
     point(x) {
       this.at = x;
       if (!this.hand) return;
@@ -456,7 +456,7 @@
     new Film(JSON.parse(document.getElementById(figure.dataset.film).textContent), figure);
   }
 
-  /* Sorting: a button in each heading; a second press turns the order round. */
+  /* Sorting: a button in each heading; pressing it again reverses the order. */
   const valued = (cell) =>
     cell.dataset.sort === undefined ? cell.textContent.trim().toLowerCase() : Number(cell.dataset.sort);
   const compared = (a, b) => {

@@ -1,8 +1,8 @@
-"""A checked scenario as a drawing: units from top to bottom as they are stepped, wires between.
+"""A checked scenario as a drawing: components from top to bottom in execution order, and wires.
 
-Wires that run with the order of stepping are on the right, those against it on the left.
+Wires that run with the execution order are on the right, those against it on the left.
 Neighbours are joined directly, in the gap between their boxes; any other wire leaves at the
-side and runs in a track of its own. Labels stand only in gaps and wires enter only at boxes,
+side and runs in a track of its own. Labels are only in gaps and wires enter only at boxes,
 so that no label can lie on a box or on another label. Lengths are in inches, y downwards.
 """
 
@@ -54,7 +54,7 @@ def draw(plan: Plan, path: Path) -> Path:
 
 
 def _paint(axes: Axes, sheet: Sheet) -> None:
-    """Lines below boxes below texts; no text is taken for mathematics."""
+    """Draw lines below boxes below texts; no text is taken for mathematics."""
     from matplotlib.patches import Circle, FancyBboxPatch
 
     for line in sheet.lines:

@@ -1,4 +1,4 @@
-"""Where boxes, wires and texts of a diagram stand, in inches from the lower left corner."""
+"""Places of the boxes, wires and texts of a diagram, in inches, y downwards."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ SETTINGS: dict[Any, Any] = {
 MARGIN = 0.3
 NARROWEST = 5.0
 WIDEST = 8.0
-"""How far a title alone widens the sheet before it is broken."""
+"""Width up to which a title alone widens the sheet before it is broken."""
 MOST_LINES = 10
-"""Lines of one label and held inputs of one unit; what is beyond is counted."""
+"""Lines of one label, and held inputs of one component; those beyond are only counted."""
 LONGEST = 40
 LINE = 0.165
 PITCH = 0.22
@@ -49,12 +49,12 @@ ALERT = "#a04a00"
 
 
 WITH, AGAINST = "#1f6f5c", "#8a3b6b"
-"""Wires with the order of stepping, and against it."""
+"""Colours of wires with the execution order, and against it."""
 
 
 @dataclass(frozen=True)
 class Arrow:
-    """All wires from one unit to another, by their places in the order; a line for each port."""
+    """All wires from one component to another, by places in the order; a line for each port."""
 
     source: int
     target: int
@@ -62,22 +62,22 @@ class Arrow:
 
     @property
     def first(self) -> int:
-        """Upper one of its two units."""
+        """Place of the upper one of its two components."""
         return min(self.source, self.target)
 
     @property
     def span(self) -> int:
-        """How many places it bridges; 0 for a unit wired to itself."""
+        """How many places it bridges; 0 for a component wired to itself."""
         return abs(self.target - self.source)
 
     @property
     def gap(self) -> int:
-        """Gap, counted from the unit above it, that holds the label: the one by the source."""
+        """Gap that holds the label, counted from the component above it: the one by the source."""
         return self.source if self.target >= self.source else self.source - 1
 
     @property
     def colour(self) -> str:
-        """Told by the direction, as the side is."""
+        """Colour by the direction, as the side is."""
         return WITH if self.target >= self.source else AGAINST
 
 
@@ -110,7 +110,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Box:
-    """One unit: centre at x = 0."""
+    """The box of one component: centre at x = 0."""
 
     top: float
     width: float
@@ -139,7 +139,7 @@ class Sheet:
 
 
 def layout(plan: Plan) -> Sheet:
-    """Place of everything."""
+    """Places of all boxes, wires and texts of a scenario."""
     cards = [_card(plan, name, number) for number, name in enumerate(plan.order, 1)]
     held = [_held(plan, name) for name in plan.order]
     arrows = _arrows(plan)
@@ -165,7 +165,7 @@ def layout(plan: Plan) -> Sheet:
 
 
 def _card(plan: Plan, name: str, number: int) -> list[Text]:
-    """Texts of a unit, top to bottom: its number, name, file, and what it cannot do."""
+    """Texts of a component, top to bottom: its number, name, file, and what it cannot do."""
     interface = plan.interfaces[name]
     lacking = [] if interface.rollback else ["no rollback"]
     lacking += [] if interface.variable_step else ["no variable step"]
@@ -182,7 +182,7 @@ def _cut(text: str) -> str:
 
 
 def _arrows(plan: Plan) -> list[Arrow]:
-    """Connections merged by the pair of units, and in it by the pair of ports."""
+    """Connections merged by the pair of components, and in it by the pair of ports."""
     place = {name: k for k, name in enumerate(plan.order)}
     pairs: dict[tuple[int, int], dict[tuple[str, str], list[Connection]]] = {}
     for c in plan.connections:
@@ -206,7 +206,7 @@ def _described(ends: tuple[str, str], group: list[Connection]) -> str:
 
 
 def _held(plan: Plan, name: str) -> list[str]:
-    """Held inputs of a unit with their values."""
+    """Held inputs of a component with their values."""
     found = []
     for key, value in plan.held.items():
         component, _, variable = key.partition(".")
@@ -238,10 +238,10 @@ def _tracks(arrows: list[Arrow]) -> dict[Arrow, int]:
 
 
 def _ends(tracks: dict[Arrow, int], held: list[str], k: int) -> list[tuple[Arrow | str, bool]]:
-    """What meets one side of unit `k`, top to bottom; the flag tells where arrows start.
+    """What meets one side of component `k`, top to bottom; the flag is true where arrows start.
 
     Tracks from above come first, the inner before the outer, and those from below last, the
-    outer before the inner: so they cross least.
+    outer before the inner, so that they cross least.
     """
     inner = sorted(tracks, key=lambda a: tracks[a])
     above = [(a, a.source == k) for a in inner if a.span and a.first + a.span == k]
@@ -318,7 +318,7 @@ def _height(box: Box, ends: int, place: int) -> float:
 def _stubs(
     lefts: list[list[tuple[Arrow | str, bool]]], boxes: list[Box]
 ) -> tuple[list[Line], list[Text]]:
-    """Held inputs: a short arrow into the unit, and what it carries."""
+    """Held inputs: a short arrow into the component, and the value that it carries."""
     lines: list[Line] = []
     texts: list[Text] = []
     for box, ends in zip(boxes, lefts, strict=True):
@@ -344,7 +344,7 @@ def _routed(
     reach: float,
     sign: float,
 ) -> tuple[list[Line], list[Text]]:
-    """Arrows around other units: out of a side, along a track, and in again."""
+    """Arrows around other components: out of a side, along a track, and in again."""
     count = max(tracks.values(), default=-1) + 1
     room = [0.0] * count
     for arrow, track in tracks.items():
@@ -408,7 +408,7 @@ def _broken(text: Text, width: float) -> list[Text]:
 
 
 def _footer(plan: Plan, lines: list[Line]) -> list[str]:
-    """When the units communicate, and how to read the sides."""
+    """When the components communicate, and how to read the sides."""
     grid = plan.grid
     step = f"communication step {grid.step:.6g} s"
     if plan.frequency:
@@ -416,6 +416,6 @@ def _footer(plan: Plan, lines: list[Line]) -> list[str]:
     footer = [f"{step}; {grid.start:.6g} s to {grid.stop:.6g} s in {grid.count} steps"]
     if any(line.colour == AGAINST for line in lines):
         footer.append(
-            "numbers: order of stepping; wires with it at the right, against it at the left"
+            "numbers: execution order; wires with it at the right, against it at the left"
         )
     return footer

@@ -1,7 +1,7 @@
 """A system structure description as data: elements, connections, parameter bindings.
 
-What a file says that this project cannot do is a problem with its place, never passed over:
-transformations other than linear ones, elements that are no FMUs, parameter sets in other formats.
+What a file asks for and this project cannot do is a problem with its place, never passed over:
+transformations other than linear ones, elements that are not FMUs, parameter sets in other formats.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Value:
 class Connection:
     """From one connector to another; an element is "" where the connector is the system's own.
 
-    `converts` says whether units are to be converted.
+    `converts`: whether units are to be converted.
     """
 
     start: tuple[str, str]
@@ -84,9 +84,9 @@ class Reader:
         self._fetch = fetch
 
     def document(self, root: Any) -> Document:
-        """The description; `ScenarioError` with all that cannot be taken over."""
+        """The description; `ScenarioError` with everything that cannot be taken over."""
         if root.tag != tag("ssd:SystemStructureDescription"):
-            raise ScenarioError(f"{self.where}: is no system structure description")
+            raise ScenarioError(f"{self.where}: is not a system structure description")
         version = root.get("version") or ""
         if version.partition(".")[0] not in {"1", "2"}:
             raise ScenarioError(
@@ -97,17 +97,17 @@ class Reader:
             raise ScenarioError(f"{self.where}: describes no system")
         found = self.system(system)
         start, stop = self._experiment(root.find(tag("ssd:DefaultExperiment")))
-        said = root.find(tag("ssd:Annotations"))
+        listed = root.find(tag("ssd:Annotations"))
         annotations = {
             str(each.get("type")): "".join(each.itertext()).strip()
-            for each in (said if said is not None else [])
+            for each in (listed if listed is not None else [])
             if local(each) == "Annotation"
         }
         self.problems.check()
         return Document(root.get("name") or "", found, start, stop, annotations)
 
     def system(self, element: Any) -> System:
-        """One system and all in it."""
+        """One system with everything in it."""
         components, systems = [], []
         names: set[str] = set()
         for each in self._children(element, "ssd:Elements"):
@@ -203,7 +203,7 @@ class Reader:
                 self.problems.add(place, f"type {printable(binding.get('type'))} is not known")
                 continue
             if binding.get("sourceBase", "SSD") != "SSD":
-                self.problems.add(place, "a source inside of a component is not supported")
+                self.problems.add(place, "a source inside a component is not supported")
                 continue
             root = self._content(binding, binding.find(tag("ssd:ParameterValues")), "ssv")
             values = [] if root is None else list(self.parameters(root))

@@ -28,7 +28,7 @@ class Joint:
 class Flat:
     """All components by their paths, what joins them, and parameters by component and name.
 
-    `outputs` are the outputs of components that the outermost system hands on.
+    `outputs` are the outputs of components that the outermost system gives as its own.
     """
 
     components: dict[Path, Component]
@@ -128,8 +128,8 @@ def _values(
                 if value.name in around.inputs:
                     continue
                 raise ScenarioError(
-                    f"{where}: parameter {printable(value.name)!r} is of no component of"
-                    f" {printable(around.name)!r}"
+                    f"{where}: parameter {printable(value.name)!r} does not belong to a"
+                    f" component of {printable(around.name)!r}"
                 )
             name = ".".join(inner[len(target) - len(path) :])
             found[target][name] = Value(name, value.value, value.kind, value.unit)

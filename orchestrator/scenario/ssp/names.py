@@ -1,4 +1,4 @@
-"""Names that the SSP standard gives: namespaces, types of files, our own annotation."""
+"""Names of the SSP standard: namespaces and types of files; and our own annotation."""
 
 from __future__ import annotations
 
@@ -15,14 +15,16 @@ FMU = "application/x-fmu-sharedlibrary"
 PARAMETERS = "application/x-ssp-parameter-set"
 MAPPING = "application/x-ssp-parameter-mapping"
 ANNOTATION = "org.resilin.scenario"
-"""Type of the annotation that holds what a scenario says and SSP has no place for, as JSON."""
+"""Type of the annotation with the tables of a scenario for which SSP has no place, as JSON."""
+OLD_ANNOTATION = "org.resilin.scene"
+"""The same in archives that the previous release has written."""
 
 REALS = ("Real", "Float64", "Float32")
 WHOLE = ("Integer", *(f"{u}Int{n}" for u in ("", "U") for n in (8, 16, 32, 64)))
 
 
 def tag(name: str) -> str:
-    """`ssd:System` as lxml has it."""
+    """`ssd:System` as lxml writes it, `{namespace}System`."""
     prefix, _, local = name.partition(":")
     return f"{{{NAMESPACES[prefix]}}}{local}"
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from ...errors import FmuError, Problems, ScenarioError, nearest, printable
+from ...errors import FmuError, Problems, ScenarioError, nearest, printable, renamed
 from ...fmi.archive import STRUCTURE, entries, extract, read_entry
 from ...fmi.description import Interface, Variable, read_interface
 from ...fmi.safe_xml import guarded
@@ -21,12 +21,12 @@ from ...units import UnitError, factor
 from .document import Document, Reader, Value
 from .flatten import Flat, Joint, flattened
 from .flatten import Path as Names
-from .names import ANNOTATION, REALS, WHOLE
+from .names import ANNOTATION, OLD_ANNOTATION, REALS, WHOLE
 
 KEYS = ("time", "master", "record", "metrics", "plot", "actions", "faults")
 """Tables of a scenario that our own annotation carries."""
 STOP = 1.0
-"""End of a run that names none [s], the usual one of FMI's tools."""
+"""End of a run where the archive names none [s], as in other FMI tools."""
 
 
 def read_ssp(path: Path, chosen: str = "") -> dict[str, Any]:
@@ -34,7 +34,7 @@ def read_ssp(path: Path, chosen: str = "") -> dict[str, Any]:
 
     `chosen` names a variant (`NAME.ssd` at the top level) or a parameter set (`NAME.ssv` under
     `resources`), which then overrides the parameters bound. Raises :class:`ScenarioError` with
-    what of the file cannot be taken over.
+    everything in the file that cannot be taken over.
     """
     try:
         return _tree(path, chosen)
@@ -80,7 +80,7 @@ def _choice(path: Path, names: list[str], chosen: str) -> tuple[str, str]:
 
 
 def _inside(where: str, source: str, names: list[str]) -> str:
-    """Entry of the archive that an address names; nothing outside of it is looked at."""
+    """Entry of the archive that an address names; nothing outside the archive is read."""
     parts = urlsplit(source)
     name = unquote(parts.path)
     if parts.scheme or parts.netloc or name not in names:
@@ -100,7 +100,7 @@ def _schema() -> Any:
 
 
 def _validate(where: str, root: Any) -> None:
-    """Hold a description of version 1 against its schema; 2.0 has one that fmpy has not."""
+    """Check a description of version 1 against its schema; fmpy has no schema of 2.0."""
     if (root.get("version") or "").startswith("1.") and not _schema().validate(root):
         fault = _schema().error_log[0]
         raise ScenarioError(f"{where}: line {fault.line}: {printable(fault.message)}")
@@ -119,7 +119,7 @@ def _override(flat: Flat, values: list[Value], where: str) -> None:
         else:
             known = [".".join(path) for path in flat.components]
             raise ScenarioError(
-                f"{where}: parameter {printable(value.name)!r} is of no component;"
+                f"{where}: parameter {printable(value.name)!r} does not belong to a component;"
                 f" {nearest(parts[0], known)}"
             )
 
@@ -186,17 +186,21 @@ def _scenario(
 
 
 def _annotated(where: str, document: Document) -> dict[str, Any]:
-    """What a scenario of ours has said beside SSP."""
-    text = document.annotations.get(ANNOTATION)
+    """Tables of the scenario that our own annotation carries beside SSP."""
+    kind = ANNOTATION
+    if kind not in document.annotations and OLD_ANNOTATION in document.annotations:
+        kind = OLD_ANNOTATION
+        renamed(f"{where}: the annotation {OLD_ANNOTATION}", f"{ANNOTATION}; export it again")
+    text = document.annotations.get(kind)
     if text is None:
         return {}
     try:
-        said = json.loads(text)
+        tables = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ScenarioError(f"{where}: the annotation {ANNOTATION} is no JSON ({error})") from None
-    if not isinstance(said, dict):
-        raise ScenarioError(f"{where}: the annotation {ANNOTATION} is no table")
-    return {key: said[key] for key in KEYS if key in said}
+        raise ScenarioError(f"{where}: the annotation {kind} is not JSON ({error})") from None
+    if not isinstance(tables, dict):
+        raise ScenarioError(f"{where}: the annotation {kind} is not a table")
+    return {key: tables[key] for key in KEYS if key in tables}
 
 
 def _identifiers(where: str, flat: Flat) -> dict[Names, str]:
@@ -221,7 +225,7 @@ def _starts(
         where = f"parameter {printable(f'{owner}.{name}')}"
         variable = settable.get(name)
         if variable is None:
-            problems.add(where, f"the FMU has none to be set; {nearest(name, settable)}")
+            problems.add(where, f"the FMU has no such parameter to set; {nearest(name, settable)}")
             continue
         try:
             starts[name] = _start(variable, value)
@@ -236,16 +240,15 @@ def _start(variable: Variable, value: Value) -> float | str | bool:
         if isinstance(given, float) and int(given) in variable.codes:
             return variable.choices[variable.codes.index(int(given))]
         if given not in variable.choices:
-            raise ValueError(
-                f"{printable(str(given))!r} is no choice; {nearest(str(given), variable.choices)}"
-            )
+            hint = nearest(str(given), variable.choices)
+            raise ValueError(f"{printable(str(given))!r} is not a choice; {hint}")
         return str(given)
     if variable.kind == "Boolean":
         return given if isinstance(given, bool) else given in {1.0, "true", "1"}
     if not variable.numeric:
         return str(given)
     if isinstance(given, bool) or value.kind not in (*REALS, *WHOLE):
-        raise ValueError(f"is a {value.kind}, the FMU wants a {variable.kind}")
+        raise ValueError(f"is a {value.kind}, the FMU takes a {variable.kind}")
     scale = factor(value.unit, variable.unit) if value.unit and variable.unit else 1.0
     return float(given) * scale
 
@@ -285,7 +288,7 @@ def _wire(
 def _held(
     title: str, interface: Interface, fed: set[str], starts: dict[str, Any]
 ) -> dict[str, float | str | bool]:
-    """Inputs that nothing feeds, at what they start with: as SSP has it."""
+    """Inputs that nothing feeds, held at their start values, as SSP defines it."""
     held: dict[str, float | str | bool] = {}
     for variable in interface.of("input"):
         first = interface.port(variable.port, "input")[0] if variable.port else variable

@@ -17,7 +17,7 @@ def _units(root: Element, names: set[str]) -> None:
 
 
 def _defined(listed: Element, names: set[str]) -> None:
-    """Units with what they are made of; one that pint does not know is a pure number."""
+    """Define units by base units; one that pint does not know is a pure number."""
     for name in sorted(names):
         unit = SubElement(listed, tag("ssc:Unit"), name=name)
         base = SubElement(unit, tag("ssc:BaseUnit"))

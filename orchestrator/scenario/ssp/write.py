@@ -1,8 +1,8 @@
 """A checked scenario as an SSP archive: structure, parameters and FMUs, for other tools and back.
 
-Connectors are what is wired, held, set or recorded; all the rest of an FMU keeps its start values,
-as it does here. What SSP has no place for (step, master, actions, faults, metrics) goes into an
-annotation of our own, which other tools pass over and `resilin run` reads.
+Connectors are the variables that are wired, held, set or recorded; all others of an FMU keep their
+start values, as they do here. What SSP has no place for (step, master, actions, faults, metrics)
+goes into an annotation of our own, which other tools pass over and `resilin run` reads.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
 
 
 DEFAULT = "initialValues"
-"""Name by which Ecos takes a parameter set without being told."""
+"""Name of the parameter set that Ecos takes where none is chosen."""
 
 
 KINDS = {"Real": "Real", "Float64": "Real", "Float32": "Real", "Boolean": "Boolean"}
@@ -44,9 +44,9 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 class Package:
     """What goes into an archive: the plan, other FMUs for some components, further sets.
 
-    `files` hold recordings as FMUs, and parts with choices built into them; `built_in` names those,
-    `component.parameter`. `sets` are start values in the FMUs' units by name of the set and
-    `component.parameter`.
+    `files` hold recordings as FMUs, and parts with choices built into them; `built_in` names these
+    choices, `component.parameter`. `sets` are start values in the FMUs' units, by name of the set
+    and `component.parameter`.
     """
 
     plan: Plan
@@ -59,7 +59,7 @@ class Package:
     def starts(self) -> dict[str, float | str]:
         """Start values and held inputs by `component.variable`, less what is built in.
 
-        A choice that the FMU starts with by itself is not told either: few tools could set it.
+        A choice that the FMU starts with by itself is left out too: few tools can set it.
         """
         found: dict[str, float | str] = {
             f"{component}.{name}": value
@@ -75,7 +75,7 @@ def _by_itself(variable: Variable, value: float | str) -> bool:
 
 
 def write_ssp(package: Package, path: Path) -> list[str]:
-    """Write the archive, whole or not at all; what other tools will not know, in words.
+    """Write the archive, whole or not at all; remarks on what other tools do not read.
 
     Raises :class:`ScenarioError` where a component has no FMU, :class:`OutputError` where the file
     cannot be written.
@@ -96,7 +96,7 @@ def write_ssp(package: Package, path: Path) -> list[str]:
         for name, file in sources.values():
             if name not in archive.namelist():
                 archive.writestr(_entry(name), file.read_bytes())
-    return list(_untold(package))
+    return list(_remarks(package))
 
 
 def _entry(name: str) -> zipfile.ZipInfo:
@@ -106,8 +106,8 @@ def _entry(name: str) -> zipfile.ZipInfo:
     return info
 
 
-def _untold(package: Package) -> Iterator[str]:
-    """What of a scenario stays with us, or with few others."""
+def _remarks(package: Package) -> Iterator[str]:
+    """What of a scenario no other tool reads from the archive, or few do."""
     plan = package.plan
     kinds = {key: _variable(plan, key).kind for key in package.starts}
     if choices := sorted(key for key, kind in kinds.items() if kind == "Enumeration"):
@@ -116,12 +116,12 @@ def _untold(package: Package) -> Iterator[str]:
             " FMU that starts with the choice needs none"
         )
     if plan.actions:
-        yield f"{len(plan.actions)} timed actions: SSP has none, other tools do not see them"
+        yield f"{len(plan.actions)} timed actions: SSP has none, other tools do not carry them out"
     if plan.faults:
-        yield f"{len(plan.faults)} injected faults: SSP has none"
+        yield f"{len(plan.faults)} injected faults: SSP has none, other tools do not inject them"
     if any(c.input.order for c in plan.connections):
         yield (
-            "laws cross by ordinary connections: any tool that connects them all has the benefit, a"
+            "laws pass by ordinary connections: any tool that connects them all has the benefit, a"
             " sequential one most"
         )
 
@@ -186,7 +186,7 @@ def _description(package: Package, sources: Mapping[str, tuple[str, Path]]) -> E
     experiment.set("stopTime", repr(plan.grid.stop))
     _step(experiment, plan)
     annotations = SubElement(root, tag("ssd:Annotations"))
-    SubElement(annotations, tag("ssc:Annotation"), type=ANNOTATION).append(_said(plan))
+    SubElement(annotations, tag("ssc:Annotation"), type=ANNOTATION).append(_annotation(plan))
     return root
 
 
@@ -257,7 +257,7 @@ def _bound(element: Element, package: Package, name: str) -> None:
 def _set(
     package: Package, title: str, values: Mapping[str, float | str], prefix: str = ""
 ) -> Element:
-    """A parameter set; names are told without `prefix`."""
+    """A parameter set; its names are written without `prefix`."""
     root = Element(tag("ssv:ParameterSet"), version=package.version, name=title)
     listed = SubElement(root, tag("ssv:Parameters"))
     used: dict[str, Variable] = {}
@@ -311,23 +311,23 @@ def _step(experiment: Element, plan: Plan) -> None:
     SubElement(algorithm, f"{{{OSP}}}FixedStepAlgorithm", baseStepSize=repr(plan.grid.step))
 
 
-def _said(plan: Plan) -> Element:
-    """What a scenario says beside its structure, as JSON."""
+def _annotation(plan: Plan) -> Element:
+    """Tables of a scenario beside its structure, as JSON."""
     scenario = plan.scenario
-    tables = {
+    models = {
         "time": scenario.time,
         "master": scenario.master.model_copy(update={"order": plan.order}),
         "record": scenario.record,
         "metrics": scenario.metrics,
     }
-    said: dict[str, Any] = {
+    tables: dict[str, Any] = {
         name: table.model_dump(mode="json", by_alias=True, exclude_unset=True)
-        for name, table in tables.items()
+        for name, table in models.items()
     }
-    if plan.advice:
-        said["time"]["step"] = plan.grid.step
+    if plan.step_reason:
+        tables["time"]["step"] = plan.grid.step
     for name, items in (("actions", scenario.actions), ("faults", scenario.faults)):
-        said[name] = [i.model_dump(mode="json", exclude_unset=True) for i in items]
+        tables[name] = [i.model_dump(mode="json", exclude_unset=True) for i in items]
     element = Element(f"{{{ANNOTATION}}}scenario")
-    element.text = json.dumps(said)
+    element.text = json.dumps(tables)
     return element

@@ -6,13 +6,15 @@ Rare are: signals, the progress bar, room for rows, timed actions, and the words
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
+from ...errors import Divergence
 from ...fmi.instance import InProcessInstance
 from ..energy_audit import Audit
 from ..interrupt import Interrupt
 from ..masters import Extrapolated, GaussSeidel, Jacobi, Master
-from ..observers import Guard, Observer, Progress, Recorder
+from ..observers import Guard, Progress, Recorder, Watcher
+from ..step_control import Control
 from ..stepper import Stepper
 from ..system import System
 from . import structures as c
@@ -24,7 +26,7 @@ PATIENCE = 0.05
 WATCHED = (Guard, Recorder, Audit, Progress)
 
 
-def unsuited(system: System, master: Master, watching: Sequence[Observer]) -> str:
+def unsuited(system: System, master: Master, watching: Sequence[Watcher]) -> str:
     """Why a run takes the Python loop; "" where the compiled one can take it."""
     if reason := missing():
         return reason
@@ -39,7 +41,7 @@ def unsuited(system: System, master: Master, watching: Sequence[Observer]) -> st
 def drive(
     system: System,
     master: Master,
-    watching: Sequence[Observer],
+    watching: Sequence[Watcher],
     interrupt: Interrupt | None = None,
     points: Sequence[float] | None = None,
 ) -> int:
@@ -54,6 +56,30 @@ def drive(
     return _Drive(system, master, stepper, watching, interrupt, points).to_the_end()
 
 
+def drive_controlled(
+    system: System,
+    master: Master,
+    tolerance: float,
+    watching: Sequence[Watcher],
+    interrupt: Interrupt | None = None,
+) -> tuple[list[float], int, int]:
+    """Step a system by a tolerance: communication points, steps, and rejections.
+
+    The same as :func:`orchestrator.simulation.step_control.adaptive`.
+    """
+    stepper = Stepper(system, master)
+    able = all(known.rollback for known in system.plan.interfaces.values())
+    drive = _Drive(system, master, stepper, watching, interrupt, None)
+    drive.control = drive.layout.control(system, master, Control(system, tolerance), able)
+    for observer in watching:
+        observer.sample(system, 0, system.plan.grid.start)
+    drive.layout.guard.count = drive.guard.count
+    drive.layout.point_recorder(drive.recorder)
+    steps = drive.to_the_end()
+    taken = drive.layout.taken[: drive.control.taken_count]
+    return taken.tolist(), steps, int(drive.control.rejected)
+
+
 class _Drive:
     """One run of the loop: the structures, and the Python objects that they stand for."""
 
@@ -62,7 +88,7 @@ class _Drive:
         system: System,
         master: Master,
         stepper: Stepper,
-        watching: Sequence[Observer],
+        watching: Sequence[Watcher],
         interrupt: Interrupt | None,
         points: Sequence[float] | None,
     ) -> None:
@@ -78,11 +104,11 @@ class _Drive:
         self.bar = bar if isinstance(bar, Progress) else None
         self.layout = Layout(system, master, stepper, guard, recorder, self.audit, points)
         self.layout.run.patience = PATIENCE
+        self.control: c.Control | None = None
 
     def to_the_end(self) -> int:
         """Call the loop until its last point, or raise what has stopped it."""
-        call = library().resilin_run  # type: ignore[union-attr]
-        arguments = self.layout.arguments()
+        call, arguments = self._call()
         run = self.layout.run
         while True:
             code = call(*arguments)
@@ -92,12 +118,22 @@ class _Drive:
             elif code == c.FULL:
                 self.recorder.make_room()
                 self.layout.point_recorder(self.recorder)
+                if self.control is not None:
+                    self.layout.more_points(self.control)
             elif code not in (c.DONE, c.PAUSE):
                 self._stop(code)
             else:
                 self._look(run.index, run.end)
                 if code == c.DONE:
                     return int(run.steps)
+
+    def _call(self) -> tuple[Any, list[Any]]:
+        """The loop's function and its arguments."""
+        loop, layout = library(), self.layout
+        assert loop is not None
+        if self.control is None:
+            return loop.resilin_run, layout.arguments(layout.audit)
+        return loop.resilin_run_controlled, layout.arguments(self.control)
 
     def _take_back(self) -> None:
         """What the loop has counted, into the objects that report it."""
@@ -106,6 +142,7 @@ class _Drive:
         for made, coupled in zip(self.layout.instances, self.system.instances, strict=True):
             if made.version:
                 coupled.instance.steps = made.steps
+                coupled.instance.rollbacks = made.rollbacks
         if self.audit is not None:
             for made, coupling in zip(self.layout.couplings, self.audit.couplings, strict=False):
                 coupling.created, coupling.exchanged = made.created, made.exchanged
@@ -135,6 +172,8 @@ class _Drive:
             self.audit.stop(self.audit.couplings[run.place], run.status, run.end)
         if self.layout.errors:
             raise self.layout.errors[0]
+        if code == c.NOT_FINITE:
+            raise Divergence("a coupling value is no longer finite")
         instance = self.system.instances[run.place].instance
         assert isinstance(instance, InProcessInstance)
         instance.explain(run.phase, run.status, run.time, run.size)

@@ -32,6 +32,7 @@ from ..energy_audit import (
 from ..masters import Extrapolated, Jacobi, Master
 from ..observers import Guard, Recorder
 from ..port_laws import force, torque
+from ..step_control import Control, coupling_columns
 from ..stepper import Stepper
 from ..system import System
 from . import structures as c
@@ -92,9 +93,9 @@ class Layout:
         )
         self.run = self._run(system, stepper, points)
 
-    def arguments(self) -> list[Any]:
-        """What the loop's function takes."""
-        parts = (self.system, self.master, self.guard, self.recorder, self.audit, self.run)
+    def arguments(self, watched: c.Audit | c.Control) -> list[Any]:
+        """What the loop's function takes: with the audit on fixed steps, else with the control."""
+        parts = (self.system, self.master, self.guard, self.recorder, watched, self.run)
         return [ctypes.byref(part) for part in parts]
 
     def point_recorder(self, recorder: Recorder) -> None:
@@ -171,6 +172,7 @@ class Layout:
         made.component, made.do_step = binding.component, binding.do_step
         made.faults = ctypes.addressof(binding.faults)
         made.saved = binding.saved
+        made.get_state, made.set_state, made.free_state = binding.states
         if binding.flags:
             made.flags = (c.POINTER * 3)(*binding.flags[:3])
             made.reached = binding.flags[3]
@@ -206,6 +208,7 @@ class Layout:
     def _served(self, coupled: CoupledInstance) -> Any:
         """A call for an instance that has no C functions: a recording, an isolated one."""
         instance, errors = coupled.instance, self.errors
+        states: list[Any] = []
 
         def serve(what: int, time: float, size: float) -> int:
             try:
@@ -213,6 +216,12 @@ class Layout:
                     instance.send()
                 elif what == c.STEP:
                     instance.step(time, size)
+                elif what == c.SAVE:
+                    states.append(instance.save())
+                elif what == c.RESTORE:
+                    instance.restore(states[-1])
+                elif what == c.FORGET:
+                    instance.forget(states.pop())
                 else:
                     instance.receive(0 if what == c.RECEIVE_FIRST else -1)
             except BaseException as error:
@@ -277,6 +286,50 @@ class Layout:
             motion=(c.DOUBLE * c.MOTIONS)(*(coupling.motion.get(name, 0.0) for name in MOTION)),
             law=law,
         )
+
+    def control(self, system: System, master: Master, settings: Control, able: bool) -> c.Control:
+        """Step control by doubling where all instances roll back, else by foresight."""
+        columns = coupling_columns(system)
+        buffers = [np.zeros(len(coupled.buffer)) for coupled in system.instances]
+        addresses = np.array([b.ctypes.data for b in buffers], dtype=np.uintp)
+        self._kept.append(buffers)
+        self.taken = np.empty(1024)
+        self.taken[0] = system.plan.grid.start
+        made = c.Control(
+            columns=self._longs(columns),
+            whole=self._address(np.zeros(len(columns))),
+            error=self._address(np.zeros(len(columns))),
+            scale=self._address(np.abs(system.values[columns])),
+            kept_values=self._address(np.zeros(len(system.values))),
+            kept_inputs=self._address(addresses),
+            input_counts=self._longs([len(b) for b in buffers]),
+            kept_states=self._address(np.zeros(len(buffers), dtype=np.uintp)),
+            taken=self.taken.ctypes.data,
+            column_count=len(columns),
+            taken_count=1,
+            taken_capacity=len(self.taken),
+            tolerance=settings.tolerance,
+            span=settings.span,
+            most=settings.most,
+            least=settings.least,
+            before=1.0,
+            first=0.1 * system.plan.grid.step,
+            next=system.plan.grid.step if able else 0.1 * system.plan.grid.step,
+            doubling=able,
+        )
+        made.seen.most = 3
+        for k in range(3):
+            made.seen.values[k] = self._address(np.zeros(max(1, len(columns))))
+        if isinstance(master, Extrapolated):
+            made.kept_past.most = master.degree + 1
+            for k in range(master.degree + 1):
+                made.kept_past.values[k] = self._address(np.zeros(len(system.values)))
+        return made
+
+    def more_points(self, control: c.Control) -> None:
+        """Room for twice as many communication points."""
+        self.taken = np.concatenate([self.taken, np.empty_like(self.taken)])
+        control.taken, control.taken_capacity = self.taken.ctypes.data, len(self.taken)
 
     def _run(self, system: System, stepper: Stepper, points: Sequence[float] | None) -> c.Run:
         grid = system.plan.grid

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent
-SOURCES = ("instance.c", "master.c", "watch.c", "loop.c")
+SOURCES = ("instance.c", "master.c", "watch.c", "loop.c", "control.c")
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden")
 SWITCH = "RESILIN_LOOP"
 """Environment variable: `python` keeps to the Python loop."""

@@ -6,7 +6,7 @@
 
 enum { LOOK = 32 };  /* steps between two looks at the clock */
 
-static double now(void) {
+double now(void) {
     struct timespec moment;
     timespec_get(&moment, TIME_UTC);
     return (double)moment.tv_sec + 1e-9 * (double)moment.tv_nsec;
@@ -18,7 +18,7 @@ static double point(const Run *run, int64_t k) {
 }
 
 /* Where a step has to end at the latest. */
-static double cut(const System *system, const Run *run, double time, double end) {
+double cut(const System *system, const Run *run, double time, double end) {
     double stop;
     if (run->whole) return end;
     stop = next_event(system);

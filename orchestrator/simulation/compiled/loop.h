@@ -134,6 +134,22 @@ typedef struct {
     int64_t brief;
 } Audit;
 
+/* Step control, as in step_control.py: an estimator, a controller, and the last point kept. */
+typedef struct {
+    const int64_t *columns;            /* coupling values whose error counts */
+    double *whole, *error, *scale;     /* of those, in their order */
+    double *kept_values;               /* the last accepted point: values, inputs, states, past */
+    double **kept_inputs;
+    const int64_t *input_counts;
+    void **kept_states;
+    Past kept_past, seen;
+    double *taken;                     /* communication points so far */
+    int64_t column_count, taken_count, taken_capacity, rejected;
+    double tolerance, span, most, least, before, first;
+    double next, event;                /* size of the next step; event announced before the last */
+    int32_t doubling, arrived;
+} Control;
+
 /* Where the loop stands, and why it has returned. */
 typedef struct {
     const double *points;              /* given points; null for the grid */
@@ -148,6 +164,12 @@ typedef struct {
 __attribute__((visibility("default")))
 int resilin_run(System *system, Master *master, Guard *guard, Recorder *recorder, Audit *audit,
                 Run *run);
+
+__attribute__((visibility("default")))
+int resilin_run_controlled(System *system, Master *master, Guard *guard, Recorder *recorder,
+                           Control *control, Run *run);
+__attribute__((visibility("default")))
+int resilin_forget(System *system, Control *control, Run *run);
 
 /* instance.c */
 int gather(Instance *instance);
@@ -164,6 +186,10 @@ int failed(Run *run, const System *system, const Instance *instance, int phase, 
 /* master.c */
 int advance(System *system, Master *master, Run *run, double time, double size);
 void interrupt_master(Master *master);
+void note(Past *past, double time, const double *values, const int64_t *places, int64_t count);
+void copy_past(Past *into, const Past *from, int64_t count);
+void combine(const double *weights, double *const *values, int64_t points, int64_t count,
+             double *total);
 void point_weights(const double *times, int64_t count, double at, double scale, double *weights);
 void mean_weights(const double *times, int64_t count, double begin, double end, double *weights);
 
@@ -172,5 +198,9 @@ int guard_sample(Guard *guard, const System *system);
 void record(Recorder *recorder, const System *system, int64_t step, double time);
 int audit_sample(Audit *audit, const System *system, double time, Run *run);
 double next_event(const System *system);
+
+/* loop.c */
+double now(void);
+double cut(const System *system, const Run *run, double time, double end);
 
 #endif

@@ -72,8 +72,9 @@ void point_weights(const double *times, int64_t count, double at, double scale, 
     }
 }
 
-/* Take in a communication point; one that was there already is replaced. */
-static void note(Past *past, double time, const double *values, int64_t count) {
+/* Take in a communication point; one that was there already is replaced. With `places` only the
+ * values there are kept. */
+void note(Past *past, double time, const double *values, const int64_t *places, int64_t count) {
     int again = past->count && past->times[0] == time;
     if (!again) {
         double *oldest = past->values[past->most - 1];
@@ -85,11 +86,19 @@ static void note(Past *past, double time, const double *values, int64_t count) {
         past->values[0] = oldest;
     }
     past->times[0] = time;
-    memcpy(past->values[0], values, (size_t)count * sizeof(double));
+    for (int64_t k = 0; k < count; k++) past->values[0][k] = values[places ? places[k] : k];
 }
 
-static void combine(const double *weights, double *const *values, int64_t points, int64_t count,
-                    double *total) {
+void copy_past(Past *into, const Past *from, int64_t count) {
+    into->count = from->count;
+    for (int64_t k = 0; k < from->count; k++) {
+        into->times[k] = from->times[k];
+        memcpy(into->values[k], from->values[k], (size_t)count * sizeof(double));
+    }
+}
+
+void combine(const double *weights, double *const *values, int64_t points, int64_t count,
+             double *total) {
     for (int64_t k = 0; k < count; k++) total[k] = weights[0] * values[0][k];
     for (int64_t p = 1; p < points; p++)
         for (int64_t k = 0; k < count; k++) total[k] = total[k] + weights[p] * values[p][k];
@@ -120,7 +129,7 @@ static int extrapolated(System *system, Master *master, Run *run, double time, d
     int64_t count = system->value_count;
     double end = time + size, known[POINTS + 1], weights[POINTS + 1];
     int64_t known_count;
-    note(past, time, system->values, count);
+    note(past, time, system->values, NULL, count);
     mean_weights(past->times, past->count, time, end, weights);
     combine(weights, past->values, past->count, count, master->mean);
     point_weights(past->times, past->count, end, size, weights);

@@ -198,6 +198,38 @@ class Audit(ctypes.Structure):
     ]
 
 
+class Control(ctypes.Structure):
+    """Step control: the estimator, the controller, and the last point kept."""
+
+    _fields_: ClassVar = [
+        ("columns", POINTER),
+        ("whole", POINTER),
+        ("error", POINTER),
+        ("scale", POINTER),
+        ("kept_values", POINTER),
+        ("kept_inputs", POINTER),
+        ("input_counts", POINTER),
+        ("kept_states", POINTER),
+        ("kept_past", Past),
+        ("seen", Past),
+        ("taken", POINTER),
+        ("column_count", LONG),
+        ("taken_count", LONG),
+        ("taken_capacity", LONG),
+        ("rejected", LONG),
+        ("tolerance", DOUBLE),
+        ("span", DOUBLE),
+        ("most", DOUBLE),
+        ("least", DOUBLE),
+        ("before", DOUBLE),
+        ("first", DOUBLE),
+        ("next", DOUBLE),
+        ("event", DOUBLE),
+        ("doubling", INT),
+        ("arrived", INT),
+    ]
+
+
 class Run(ctypes.Structure):
     """Where the loop stands, and why it has returned."""
 

@@ -1,1 +1,1 @@
-"""Scenarios as linear systems about a state, identified through their FMI interfaces."""
+"""Scenarios as linear systems about a state, identified through the interfaces of their FMUs."""

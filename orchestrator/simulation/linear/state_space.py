@@ -1,4 +1,4 @@
-"""A scenario at rest as a linear system, identified through its FMI interface.
+"""A scenario at rest as a linear system, identified through the interfaces of its FMUs.
 
 Each input is nudged for one communication step, up and down; half the difference of the
 responses is the sequence of Markov parameters, free of even terms. The eigensystem
@@ -58,7 +58,7 @@ class Linear:
         return found
 
     def state_space(self) -> control.StateSpace:
-        """The same for python-control, sampled, its signals named as here."""
+        """The same system for python-control, sampled, with the same signal names."""
         import control
 
         return control.ss(
@@ -70,16 +70,16 @@ class Linear:
     def response(self, frequencies: Values) -> NDArray[np.complex128]:
         """Transfer from inputs to outputs at frequencies [Hz]: (outputs, inputs, frequencies).
 
-        A pulse of one step as input is taken for what it is, a held value.
+        An input is a value that is held over each step.
         """
         z = np.exp(2j * np.pi * np.asarray(frequencies) * self.step)
-        unit = np.eye(len(self.a))
-        found = [self.c @ np.linalg.solve(one * unit - self.a, self.b) + self.d for one in z]
+        identity = np.eye(len(self.a))
+        found = [self.c @ np.linalg.solve(one * identity - self.a, self.b) + self.d for one in z]
         return np.moveaxis(np.asarray(found), 0, -1)
 
 
 def plain(name: str) -> str:
-    """A signal's name as python-control takes it, without dots."""
+    """A signal's name without dots, which python-control does not accept."""
     return name.replace(".", "_")
 
 
@@ -93,28 +93,28 @@ def linearise(
 ) -> Linear:
     """Linear system of a scenario about its state of rest, by its own master and step.
 
-    `inputs` are held inputs, all real ones otherwise; `outputs` recorded variables. Raises
-    `InputError` where a unit cannot roll back, where a name is not known, and where the scenario
-    does not come to rest.
+    `inputs` are held inputs, by default all real ones; `outputs` recorded variables. Raises
+    `InputError` where an instance cannot roll back, where a name is not known, and where the
+    scenario does not come to rest.
     """
     unable = [name for name, known in plan.interfaces.items() if not known.rollback]
     if unable:
         raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
     with System(plan) as system:
-        method = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
-        stepper = Stepper(system, method)
+        master = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
+        stepper = Stepper(system, master)
         time, _ = rest(system, stepper)
         held = _held(system, inputs)
         shown = _columns(system, outputs)
-        sequence, direct = _markov(system, method, time, held, shown, count)
-        settled = system.values[shown].copy()
+        sequence, direct = _markov(system, master, time, held, shown, count)
+        resting = system.values[shown].copy()
     a, b, c = realise(sequence, order)
     names = [system.names[k] for k in shown]
-    return Linear(a, b, c, direct, plan.grid.step, list(held), names, settled)
+    return Linear(a, b, c, direct, plan.grid.step, list(held), names, resting)
 
 
 def rest(system: System, stepper: Stepper) -> tuple[float, Values]:
-    """Step until nothing changes any more; the time reached, and the largest values on the way."""
+    """Step until nothing changes any more; return the time reached, and the largest values seen."""
     grid = system.plan.grid
     kept = [k for k in range(len(system.names)) if system.variables[k].unit != "s"]
     largest = np.abs(system.values)
@@ -131,7 +131,7 @@ def rest(system: System, stepper: Stepper) -> tuple[float, Values]:
         np.maximum(largest, np.abs(system.values), out=largest)
         np.maximum(moved, np.abs(now - begin), out=moved)
         if not np.all(np.isfinite(now)):
-            raise SimulationError(f"{system.plan.path}: leaves all bounds before it rests")
+            raise SimulationError(f"{system.plan.path}: leaves all bounds before it comes to rest")
     worst = int(np.argmax(moved / (largest[kept] + 1e-12)))
     raise InputError(
         f"{system.plan.path}: {system.names[kept[worst]]} does not come to rest in {MOST_STEPS}"
@@ -140,7 +140,7 @@ def rest(system: System, stepper: Stepper) -> tuple[float, Values]:
 
 
 def _held(system: System, wanted: Sequence[str] | None) -> dict[str, tuple[Any, int]]:
-    """Held real inputs by name: the member and the place in its buffer."""
+    """Held real inputs by name: the coupled instance and the place in its buffer."""
     found = {
         f"{coupled.instance.name}.{name}": (coupled, place)
         for coupled in system.instances
@@ -148,7 +148,9 @@ def _held(system: System, wanted: Sequence[str] | None) -> dict[str, tuple[Any, 
         if coupled.instance.interface.variables[name].real
     }
     if not found:
-        raise InputError(f"{system.plan.path}: hold: no real input is held, none can be nudged")
+        raise InputError(
+            f"{system.plan.path}: hold: no real input is held, so that none can be nudged"
+        )
     for name in wanted or []:
         if name not in found:
             raise InputError(f"--input {name}: is not held; there is {', '.join(found)}")
@@ -156,7 +158,7 @@ def _held(system: System, wanted: Sequence[str] | None) -> dict[str, tuple[Any, 
 
 
 def _columns(system: System, wanted: Sequence[str] | None) -> list[int]:
-    """Places of the recorded variables that are shown; those that are times are not."""
+    """Places of the recorded variables that are shown; by default times and energies are not."""
     recorded = [f"{name}.{v.name}" for name, v in system.plan.records]
     for name in wanted or []:
         if name not in recorded:
@@ -172,11 +174,11 @@ def _columns(system: System, wanted: Sequence[str] | None) -> list[int]:
 
 
 def _markov(
-    system: System, method: Master, time: float, held: dict[str, tuple[Any, int]],
+    system: System, master: Master, time: float, held: dict[str, tuple[Any, int]],
     shown: list[int], count: int,
 ) -> tuple[Values, Values]:  # fmt: skip
     """Markov parameters (count, outputs, inputs) from the second on, and the first, D."""
-    moment, memory = system.save(), method.remember()
+    moment, memory = system.save(), master.remember()
     sequence = np.zeros((count, len(shown), len(held)))
     direct = np.zeros((len(shown), len(held)))
     for column, (coupled, place) in enumerate(held.values()):
@@ -184,13 +186,13 @@ def _markov(
         size = NUDGE * max(abs(float(at)), 1.0)
         for sign in (1.0, -1.0):
             system.restore(moment)
-            method.recall(memory)
+            master.recall(memory)
             coupled.buffer[place] = at + sign * size
             coupled.follow()
             system.follow()
             direct[:, column] += sign * system.values[shown]
             for k in range(count):
-                method.advance(time + k * system.plan.grid.step, system.plan.grid.step)
+                master.advance(time + k * system.plan.grid.step, system.plan.grid.step)
                 if k == 0:
                     coupled.buffer[place] = at
                     coupled.follow()
@@ -208,10 +210,10 @@ def realise(
 ) -> tuple[Values, Values, Values]:
     """A, B, C whose Markov parameters C A^k B are a sequence (count, outputs, inputs).
 
-    Rows are scaled to like size first; columns should be, by what is usual for each input, so
-    that what an input hardly does is not taken for noise, or noise for it. The order is the
-    number of singular values of the Hankel matrix above `smallest` of the largest, where it
-    is not given.
+    Rows are scaled to like size here; the caller should scale columns by the usual size of each
+    input, so that a weak response is not taken for noise, or noise for a response. Where the order
+    is not given, it is the number of singular values of the Hankel matrix above `smallest` of the
+    largest.
     """
     count, rows, columns = sequence.shape
     size = np.abs(sequence).max(axis=(0, 2))

@@ -1,8 +1,8 @@
-"""The map from one communication point to the next, linear about rest, and how fast it grows.
+"""The map from one communication point to the next, linear about rest, and its spectral radius.
 
-Every unit is identified alone, with its inputs held over a step; the master then composes the
-units as it steps them. The spectral radius of the whole says whether the coupling is stable at
-this step, before anything is run.
+Every instance is identified alone, with its inputs held over a step; the models are then composed
+in the way in which a master steps the instances. The spectral radius of the whole predicts, before
+anything is run, whether the coupling is stable at this step.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ if TYPE_CHECKING:
 
 Values = NDArray[np.float64]
 COUNT = 24
-"""Steps of a unit's response: a unit alone has few states."""
+"""Steps of an instance's response: an instance alone has few states."""
 NOISE = 1e-7
 DOUBTFUL = 1e-3
 """Disagreement of two nudges, relative, above which an output's response is rounding."""
 UNKNOWN = 1e-2
-"""Size taken for a value that has been nothing but zero."""
+"""Size taken for a value that has always been zero."""
 REFRESHED = 3
-"""Steps of the size in question taken at rest, for units that remember the last one."""
+"""Steps of the size in question taken at rest, for instances that remember the last one."""
 MAPPED = ("gauss-seidel", "jacobi")
 SLACK = 1e-6
-"""How far above one a spectral radius may lie by rounding: undamped motion is at one."""
+"""How far above one a spectral radius may lie by rounding: undamped motion has exactly one."""
 
 
 @dataclass(frozen=True)
 class InstanceModel:
-    """One unit: x+ = A x + B u, y = C x + D u, and its wiring u = W y of all units' outputs.
+    """One instance: x+ = A x + B u, y = C x + D u, and its wiring u = W y from all outputs.
 
-    Right after a step, before the clocks of its inputs have moved on, it is y = C x + E u.
+    Right after a step, before the clocks of its inputs have moved on, y = C x + E u.
     """
 
     name: str
@@ -58,7 +58,7 @@ class InstanceModel:
     rows: NDArray[np.intp]
 
     def state_space(self, step: float) -> control.StateSpace:
-        """The unit for python-control, sampled at a step [s], signals as `unit.variable`."""
+        """The instance for python-control, sampled at a step [s]; signals are named by `plain`."""
         import control
 
         return control.ss(
@@ -70,7 +70,7 @@ class InstanceModel:
 
 @dataclass(frozen=True)
 class StepMap:
-    """Units of a scenario as linear systems at one communication step [s]."""
+    """Instances of a scenario as linear systems at one communication step [s]."""
 
     plan: Plan
     step: float
@@ -79,9 +79,10 @@ class StepMap:
     followers: list[str]
 
     def matrix(self, kind: str, cut: str | None = None) -> Values:
-        """The map of a master on (states of all units, outputs of all units).
+        """The map of a master on (states of all instances, outputs of all instances).
 
-        With `cut`, a `source -> target` pair of units, that connection is left out.
+        With `cut`, a `source -> target` pair of instances, the connections between them are left
+        out.
         """
         if kind not in MAPPED:
             raise InputError(f"--master {kind}: its step has no map; there is {', '.join(MAPPED)}")
@@ -111,14 +112,14 @@ class StepMap:
         return left
 
     def interconnected(self) -> control.StateSpace:
-        """The units joined by the scenario's wires in python-control; no input is left open.
+        """The instances joined by the scenario's wires in python-control; no input is left open.
 
-        Every unit takes what the others put out at the same communication point, as under
-        Jacobi: its poles are those of :meth:`matrix` with "jacobi".
+        Every instance takes the outputs of the others at the same communication point, as under
+        Jacobi: the poles are those of :meth:`matrix` with "jacobi".
         """
         import control
 
-        units = [model.state_space(self.step) for model in self.models if model.outputs]
+        blocks = [model.state_space(self.step) for model in self.models if model.outputs]
         wires = [
             [plain(f"{m.name}.{name}"), *((plain(self.outputs[k]), float(row[k])) for k in used)]
             for m in self.models
@@ -139,7 +140,7 @@ class StepMap:
             for source, gain in sources
         ]  # fmt: skip
         return control.interconnect(
-            [*units, *gains, *summed], inputs=[], outputs=[plain(name) for name in self.outputs]
+            [*blocks, *gains, *summed], inputs=[], outputs=[plain(name) for name in self.outputs]
         )
 
     def radius(self, kind: str, cut: str | None = None) -> float:
@@ -154,18 +155,18 @@ class StepMap:
 
 
 def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> StepMap:
-    """Linear units of a scenario about its rest, at its own communication step or another.
+    """Linear models of a scenario's instances about rest, at its own communication step or another.
 
-    Raises `InputError` where a unit cannot roll back or the scenario does not come to rest by its
-    own master and step.
+    Raises `InputError` where an instance cannot roll back or the scenario does not come to rest by
+    its own master and step.
     """
     unable = [name for name, known in plan.interfaces.items() if not known.rollback]
     if unable:
         raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
     size = step or plan.grid.step
     with System(plan) as system:
-        method = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
-        stepper = Stepper(system, method)
+        master = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
+        stepper = Stepper(system, master)
         time, largest = rest(system, stepper)
         for _ in range(REFRESHED):
             stepper.to(time, time + size, size)
@@ -173,7 +174,7 @@ def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> St
         moment = system.save()
         shown = [k for k in system.wired.tolist() if system.variables[k].unit != "s"]
         models = [
-            _unit(system, moment, index, time, size, shown, largest, count)
+            _model(system, moment, index, time, size, shown, largest, count)
             for index in range(len(system.instances))
         ]
         system.forget(moment)
@@ -183,7 +184,7 @@ def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> St
 
 
 def quiet(plan: Plan) -> Plan:
-    """The same scenario with its drive off: `amplitude` zero wherever a unit has a `frequency`."""
+    """The same scenario with its drive off: `amplitude` zero where there is a `frequency` too."""
     starts = {name: dict(values) for name, values in plan.starts.items()}
     for name, known in plan.interfaces.items():
         parameters = {v.name for v in known.of("parameter")}
@@ -192,13 +193,13 @@ def quiet(plan: Plan) -> Plan:
     return replace(plan, starts=starts, actions=[], faults=[])
 
 
-def _unit(
+def _model(
     system: System, moment: Moment, index: int, time: float, size: float,
     shown: list[int], largest: Values, count: int,
 ) -> InstanceModel:  # fmt: skip
-    """Identify one unit alone: its other inputs stay as they are at rest.
+    """Identify one instance alone: its other inputs stay as they are at rest.
 
-    Members of laws that were zero all the way to rest carry nothing and are left alone.
+    Members of laws that were zero all the way to rest carry nothing and are not nudged.
     """
     coupled = system.instances[index]
     system.restore(moment)
@@ -234,7 +235,7 @@ def _unit(
 
 @dataclass(frozen=True)
 class _Probe:
-    """One unit at rest whose free inputs are nudged one by one, held over a step, up and down."""
+    """An instance at rest; its free inputs are nudged one by one, over a step, up and down."""
 
     system: System
     moment: Moment
@@ -251,7 +252,8 @@ class _Probe:
     ) -> tuple[Values, Values, Values]:
         """Markov parameters (count, outputs, inputs), D before a step, and E right after it.
 
-        By the usual size of each input; those that carry nothing have none.
+        All are for nudges of the usual size of each input; an input whose usual size is zero is
+        left at zero response.
         """
         coupled, values = self.coupled, self.system.values
         shape = (len(self.own), len(self.free))
@@ -285,9 +287,9 @@ class _Probe:
 
 
 def _sound(sequence: Values, again: Values) -> tuple[Values, float]:
-    """What two sizes of nudge agree on, and the share that is noise.
+    """Responses on which two sizes of nudge agree, and the share that is noise.
 
-    Outputs on which they disagree, differences of all but equal numbers, are taken for none.
+    Outputs on which they disagree, differences of nearly equal numbers, are set to zero.
     """
     size = np.abs(sequence).max(axis=(0, 2))
     size = np.where(size > 0.0, size, 1.0)
@@ -302,7 +304,7 @@ def _none(rows: int, columns: int) -> tuple[Values, Values, Values]:
 
 
 def _wiring(system: System, coupled: CoupledInstance, free: list[int], shown: list[int]) -> Values:
-    """Which outputs, times which gain, each free input of a unit takes."""
+    """Gain from each shown output to each free input of an instance."""
     wires = np.zeros((len(free), len(shown)))
     gains = {
         (f"{c.source}.{c.output.name}"): c.gain
@@ -318,7 +320,7 @@ def _wiring(system: System, coupled: CoupledInstance, free: list[int], shown: li
 def limit(plan: Plan, kind: str, low: float, high: float, *, within: float = 1e-3) -> float:
     """Communication step [s] at which a master's map of a scenario turns unstable, by bisection.
 
-    `low` has to be stable and `high` unstable; `InputError` says which is not.
+    `low` has to be stable and `high` unstable; raises `InputError` where they are not.
     """
     ends = [step_map(plan, step).radius(kind) for step in (low, high)]
     if ends[0] > 1.0 + SLACK or ends[1] <= 1.0 + SLACK:

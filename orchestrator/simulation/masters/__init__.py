@@ -1,4 +1,4 @@
-"""Masters: how units are stepped together, one method each."""
+"""Masters: each is one method to step instances together."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MASTERS: dict[str, type[Master]] = {
 
 
 def master_class(kind: str) -> type[Master]:
-    """Master by the name a scenario gives it."""
+    """Class of a master by the name that scenarios use."""
     if kind not in MASTERS:
         raise ScenarioError(f"no master {kind!r}; {nearest(kind, MASTERS)}")
     return MASTERS[kind]

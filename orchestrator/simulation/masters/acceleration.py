@@ -1,4 +1,4 @@
-"""From one guess of the interface to the next: ways to make passes settle sooner, or at all."""
+"""From one guess of the interface to the next: ways to make passes converge sooner, or at all."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ DEPTH = 5
 
 
 class Acceleration(Protocol):
-    """Next guess from a guess z and what a pass made of it, G(z)."""
+    """Makes the next guess from a guess z and the result of a pass, G(z)."""
 
     def next(self, guess: Values, answer: Values) -> Values: ...
 
 
 class Plain:
-    """z <- G(z): settles where the gain of a pass is below one."""
+    """z <- G(z): converges where the gain of a pass is below one."""
 
     def next(self, guess: Values, answer: Values) -> Values:
         return answer
 
 
 class Relaxed:
-    """z <- z + r (G(z) - z) with a fixed r: settles for gains between 1 - 2/r and 1."""
+    """z <- z + r (G(z) - z) with a fixed r: converges for gains between 1 - 2/r and 1."""
 
     def __init__(self, relaxation: float) -> None:
         self.relaxation = relaxation
@@ -74,7 +74,7 @@ class Anderson:
 
 
 def acceleration(settings: MasterSettings) -> Acceleration:
-    """The one that a scenario asks for."""
+    """The acceleration that a scenario asks for."""
     if settings.acceleration == "relaxed":
         return Relaxed(settings.relaxation)
     if settings.acceleration == "aitken":

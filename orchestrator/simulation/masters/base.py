@@ -1,4 +1,4 @@
-"""What a master is."""
+"""The base class of masters."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ class Master(ABC):
     """Takes a system from one communication point to the next, for one run.
 
     After `advance(time, size)` every value in `system.values` holds at `time + size`. A
-    master that `needs_rollback` is refused at load where a unit cannot roll back; `options`
-    are the keys of a scenario's [master] that mean something to it, beside kind, laws, order.
+    master that `needs_rollback` is refused at load where an instance cannot roll back; `options`
+    are the keys of a scenario's [master] that it uses, beside kind, laws, order.
     """
 
     needs_rollback: ClassVar[bool] = False
@@ -29,11 +29,11 @@ class Master(ABC):
         """One communication step of `size` [s]."""
 
     def interrupt(self) -> None:  # noqa: B027  (most masters remember nothing)
-        """Forget what was learned from the past: a discontinuity lies between."""
+        """Forget what was learned from earlier steps: a discontinuity lies between."""
 
     def remember(self) -> Any:
         """What the master has learned so far, for :meth:`recall` after a rollback."""
         return None
 
     def recall(self, memory: Any) -> None:  # noqa: B027
-        """Back to what had been learned then."""
+        """Restore what :meth:`remember` returned."""

@@ -1,4 +1,4 @@
-"""Sequential master for units without laws: plain numbers are carried over the step."""
+"""Sequential master for instances without laws: plain numbers are extrapolated over the step."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .extrapolation import Past, combined, mean_weights, point_weights
 class Extrapolated(Master):
     """Hold plain real numbers at the mean over the step of a polynomial of some degree.
 
-    A unit takes one number for a whole step; the number that gives it the right impulse is
-    the mean. From units that have stepped already the value at the end is known, and the
+    An instance takes one number for a whole step; the number that gives it the right impulse is
+    the mean. From instances that have stepped already the value at the end is known, and the
     polynomial goes through it (degree 1: the mean of both ends); from the others it is
     extrapolated (degree 1: 1.5 u(n) - 0.5 u(n-1), the value at mid-step). Second order
-    without rollback, at one step call per unit; a higher degree lowers the error, not the
-    order, since within the step the unit still sees a constant. Ports with laws are passed as they
-    are. Where outputs follow inputs directly, the unit is given the end of the step before it
-    is read. After a discontinuity numbers are held until there is a past again.
+    without rollback, at one step call per instance; a higher degree lowers the error, not the
+    order, since within the step the instance still sees a constant. Ports with laws are passed as
+    they are. Where outputs follow inputs directly, the inputs are set to the end of the step before
+    the outputs are read. After a discontinuity numbers are held until there are earlier points.
     """
 
     options: ClassVar = ("degree",)
@@ -55,7 +55,7 @@ class Extrapolated(Master):
     def _step(
         self, coupled: CoupledInstance, through: Values, finish: Values, time: float, size: float
     ) -> None:
-        """One unit: the mean for its step, the end for what follows its inputs."""
+        """Step one instance with the mean, then read outputs that follow inputs with the end."""
         arriving = self.system.values[coupled.sources]
         places = coupled.sources[coupled.plain]
         arriving[coupled.plain] = through[places]

@@ -1,4 +1,4 @@
-"""Values at the last communication points, and what polynomials through them say."""
+"""Values at the last communication points, and weights of the polynomials through them."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ class Past:
         self.values: tuple[Values, ...] = ()
 
     def note(self, time: float, values: Values) -> None:
-        """Take in a communication point; one that was there already is replaced."""
+        """Add a communication point; the newest is replaced where it has the same time."""
         keep = 1 if self.times and self.times[0] == time else 0
         self.times = (time, *self.times[keep:])[: self.most]
         self.values = (values.copy(), *self.values[keep:])[: self.most]
 
     def forget(self) -> None:
-        """Nothing is known of before."""
+        """Drop all points."""
         self.times, self.values = (), ()
 
 

@@ -1,4 +1,4 @@
-"""Interface-Newton master: the coupling's equations solved, with a Jacobian by differences."""
+"""Interface-Newton master: solves the coupling's equations, with a Jacobian by differences."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ SLOW = 0.2
 class InterfaceNewton(Master):
     """Solve z = G(z) for the wired values z at the end of a step, by quasi-Newton steps.
 
-    G steps all units from saved states with inputs made from z, plain real numbers as the
+    G steps all instances from saved states with inputs made from z, plain real numbers as the
     mean of both ends of the step (the trapezoid rule, second order). Its Jacobian comes from
-    nudging one input of one unit at a time; it is kept from step to step, improved by
+    nudging one input of one instance at a time; it is kept from step to step, improved by
     Broyden's updates, and made anew where the residual falls too slowly or the step changes.
-    Stays bounded where passes alone blow up (stiffness times step squared over mass far above
-    one). Values that carry laws are taken as they come out. Needs rollback in every unit.
+    The run stays bounded where passes alone blow up (stiffness times step squared over mass far
+    above one). Values that carry laws are taken as they come out. Needs rollback in every instance.
     """
 
     needs_rollback: ClassVar = True
@@ -85,7 +85,7 @@ class InterfaceNewton(Master):
         )
 
     def _left(self, change: Values) -> float:
-        """Largest change of a wired value, by the largest that it has had."""
+        """Largest change of a wired value, relative to the largest that it has had."""
         wired = self.system.wired
         np.maximum(self._scale, np.abs(self.system.values[wired]), out=self._scale)
         return float((np.abs(change[wired]) / (self._scale + 1e-300)).max(initial=0.0))
@@ -93,7 +93,7 @@ class InterfaceNewton(Master):
     def _pass(
         self, moment: Moment, begin: Values, guess: Values, time: float, size: float
     ) -> Values:
-        """G(guess): all units stepped from the start of the step, side by side."""
+        """G(guess): all instances stepped from the start of the step, side by side."""
         system = self.system
         system.restore(moment)
         for index in range(len(system.instances)):
@@ -101,7 +101,7 @@ class InterfaceNewton(Master):
         return system.values.copy()
 
     def _step(self, index: int, begin: Values, guess: Values, time: float, size: float) -> None:
-        """One unit, its inputs made from a guess of the end of the step."""
+        """Step one instance with inputs made from a guess of the end of the step."""
         coupled = self.system.instances[index]
         arriving = guess[coupled.sources]
         end = arriving.copy()
@@ -116,7 +116,7 @@ class InterfaceNewton(Master):
     def _jacobian(
         self, moment: Moment, begin: Values, guess: Values, answer: Values, time: float, size: float
     ) -> Values:
-        """Inverse of 1 - dG/dz, column by column, stepping only the units that see a value."""
+        """Inverse of 1 - dG/dz, column by column; only instances that use a value are stepped."""
         system, unknown = self.system, self._unknown
         slope = np.zeros((len(unknown), len(unknown)))
         scale = dict(zip(system.wired.tolist(), self._scale.tolist(), strict=True))
@@ -139,7 +139,7 @@ class InterfaceNewton(Master):
         return inverse
 
     def _improve(self, step: Values, change: Values) -> None:
-        """Broyden's update of the inverse: -change is what step should have come from."""
+        """Broyden's update of the inverse, after which it maps -change to `step`."""
         if self._inverse is None:
             return
         gone = -(self._inverse @ change)

@@ -1,4 +1,4 @@
-"""Iterative master: sequential passes over one step, with rollback, until values settle."""
+"""Iterative master: sequential passes over one step, with rollback, until they converge."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .base import Master
 class Iterative(Master):
     """Repeat a sequential step from saved states until no wired output changes any more.
 
-    In each pass every unit sees what the last one says of the end of the step: laws hold at both
+    In each pass every instance takes the end of the step from the last pass: laws hold at both
     ends of a loop, plain real numbers are the mean of both ends of the step (the trapezoid
-    rule, second order). Passes settle where the coupling's gain over a step is below one, with
-    `acceleration` further; `Divergence` names the value that does not within `passes`.
-    Values count as settled when they change by less than `settled` of the largest seen in
-    the run. Needs rollback in every unit.
+    rule, second order). Passes converge where the coupling's gain over a step is below one, with
+    `acceleration` beyond that; `Divergence` names the value that has not converged within `passes`.
+    Values have converged when they change by less than `settled` of the largest seen in the run.
+    Needs rollback in every instance.
     """
 
     needs_rollback: ClassVar = True
@@ -65,7 +65,7 @@ class Iterative(Master):
         )
 
     def _pass(self, begin: Values, time: float, size: float) -> None:
-        """One sequential step with what is known of its end."""
+        """One sequential step with the best known values of its end."""
         system = self.system
         for coupled in system.instances:
             if not len(coupled.plain):

@@ -1,4 +1,4 @@
-"""Parallel master: every unit sees what all units put out at the start of the step."""
+"""Parallel master: every instance takes the outputs of all at the start of the step."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from .base import Master
 
 
 class Jacobi(Master):
-    """Step all units from the values of the last communication point.
+    """Step all instances from the values of the last communication point.
 
     Laws are extrapolated over the step, so the error is larger than that of a sequential
-    master by the ratio of extrapolation to interpolation; the order of the units does not
-    matter. First order with held values, second with laws. One step call per unit.
+    master by the ratio of extrapolation to interpolation; the order of the instances does not
+    matter. First order with held values, second with laws. One step call per instance.
     """
 
     def advance(self, time: float, size: float) -> None:

@@ -9,7 +9,6 @@ from typing import Any
 
 from ...errors import InputError, SimulationError, nearest
 from ...results.metrics import metrics
-from ...results.netcdf import dataset
 from ...scenario.plan import LIBRARY, Plan
 from ...scenario.start_values import start_value
 from ...simulation.interrupt import Interrupt
@@ -127,7 +126,7 @@ class Model:
         if done.failure is not None:
             raise done.failure
         self.runs += 1
-        found = {m.name: m.value for m in metrics(dataset(done), plan.scenario.metrics.cycles)}
+        found = {m.name: m.value for m in metrics(done)}
         if datum.metric not in found:
             raise InputError(f"{datum.name}: {datum.scenario} has no {datum.metric}")
         return found[datum.metric]

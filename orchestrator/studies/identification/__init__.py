@@ -1,4 +1,4 @@
-"""Parameters of parts estimated from a recording of what went in and what came out."""
+"""Parameters of parts estimated from a recording of their inputs and outputs."""
 
 from .case import Asked, Case, case_of
 from .parameter import Unknown, unknowns_of

@@ -1,4 +1,4 @@
-"""The scenario in which a recording drives parts, and what of it they are held against."""
+"""The scenario in which a recording drives parts, and the outputs that are compared with it."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ FEWEST = 3
 class Case:
     """A checked plan of parts and the recording that drives them.
 
-    `pairs` are names of what was recorded and of what the parts say to it; `points` are the
-    times [s] at which both are compared and units communicate.
+    `pairs` are names of recorded outputs and of the parts' own; `points` are the times [s] at
+    which both are compared and instances communicate.
     """
 
     plan: Plan
@@ -37,14 +37,14 @@ class Case:
 
     @property
     def units(self) -> list[str]:
-        """Unit of each pair."""
+        """Unit of measure of each pair."""
         known = {f"{name}.{v.name}": v.unit for name, v in self.plan.records}
         return [known[own] for _, own in self.pairs]
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of a recording; see :func:`case_of`."""
+    """A user's request to fit parts to a recording; see :func:`case_of`."""
 
     parts: Sequence[str]
     scenario: str | None = None
@@ -58,14 +58,14 @@ class Asked:
 def case_of(path: Path, asked: Asked, library: Path = LIBRARY) -> Case:
     """A recording that drives parts, and is compared with what they put out.
 
-    Without a scenario there is one part, a built one or a path to an FMU, and columns are called as
-    its variables. With one the parts are components of it, all others give way to the recording,
-    and columns are called `component.variable`. `keys` are those of a recorded component, `hold`
-    gives inputs that were not recorded, `changes` start values; `outputs` are patterns of the
-    recorded outputs that count: where none is given all but the slopes and curvatures of laws.
-    `step` [s] takes the place of the rows as communication points.
+    Without a scenario there is one part, a built one or a path to an FMU, and columns have the
+    names of its variables. With a scenario the parts are components of it, the recording replaces
+    all others, and columns are called `component.variable`. `keys` are those of a recorded
+    component, `hold` gives inputs that were not recorded, `changes` start values; `outputs` are
+    patterns of the recorded outputs that count, by default all but the slopes and curvatures of
+    laws. Communication points are the rows of the recording, or every `step` [s].
 
-    Raises :class:`InputError` where parts, columns or inputs do not go together.
+    Raises :class:`InputError` where parts, columns or inputs do not fit together.
     """
     keys = dict(asked.keys or {})
     if asked.scenario is not None:
@@ -105,7 +105,7 @@ def _points(recording: Recording, step: float | None) -> list[float]:
 def _alone(
     asked: Asked, component: Component, recording: Recording, library: Path
 ) -> tuple[Scenario, Path]:
-    """One part with its recorded inputs wired and the others held at what the FMU starts with."""
+    """One part with its recorded inputs wired and the others held at the FMU's start values."""
     if len(asked.parts) != 1:
         raise InputError("--part: several parts need --scenario, which says how they are wired")
     name, place = _name(asked.parts[0]), Path("fit.toml").absolute()
@@ -136,12 +136,12 @@ def _alone(
 
 
 def _within(asked: Asked, component: Component, recording: Recording) -> tuple[Scenario, Path]:
-    """Parts of a scenario, what the others feed them coming from the recording."""
+    """Parts of a scenario; the recording feeds them in place of all other components."""
     scenario, place = load_scenario(str(asked.scenario), dict(asked.changes or {}))
     for part in asked.parts:
         if part not in scenario.components:
             raise InputError(
-                f"--part {printable(part)}: no component of {asked.scenario};"
+                f"--part {printable(part)}: not a component of {asked.scenario};"
                 f" {nearest(part, scenario.components)}"
             )
     kept = {part: scenario.components[part] for part in asked.parts}
@@ -156,11 +156,11 @@ def _within(asked: Asked, component: Component, recording: Recording) -> tuple[S
             key == wire.target or key.startswith(f"{wire.target}.") for key in asked.hold or {}
         ):
             continue
-        told = [end for end in (wire.source, wire.target) if end in columns or end in ports]
+        recorded = [end for end in (wire.source, wire.target) if end in columns or end in ports]
         if source in kept:
             wires.append(wire)
-        elif told:
-            wires.append(wire.model_copy(update={"source": f"{RECORDED}.{told[0]}"}))
+        elif recorded:
+            wires.append(wire.model_copy(update={"source": f"{RECORDED}.{recorded[0]}"}))
         else:
             problems.append(
                 f"{recording.interface.path}: has no column of {wire.source}, which feeds"
@@ -182,7 +182,7 @@ def _within(asked: Asked, component: Component, recording: Recording) -> tuple[S
 def _pairs(
     path: Path, asked: Asked, scenario: Scenario, place: Path, recording: Recording, library: Path
 ) -> list[tuple[str, str]]:
-    """Recorded columns that the parts put out too, those alone that are asked for."""
+    """Recorded columns that the parts put out too, only those that are asked for."""
     prefix = "" if asked.scenario is not None else f"{_name(asked.parts[0])}."
     interfaces = {
         name: interface_of(component.fmu, place, library)
@@ -215,14 +215,14 @@ def _pairs(
 
 
 def _measured(recording: Recording) -> Iterator[str]:
-    """Outputs of a recording that are columns of the file, not what follows from them."""
+    """Outputs of a recording that are columns of the file, not derived from them."""
     for name, (how, _, _) in zip(recording.interface.variables, recording.sources, strict=True):
         if how == "column":
             yield name
 
 
 def _output(interfaces: Mapping[str, Interface], name: str) -> Variable | None:
-    """The output that a column is to be compared with; None where it is of none."""
+    """The output with which a column is compared; None where there is none."""
     owner, _, variable = name.partition(".")
     known = interfaces.get(owner)
     found = known.variables.get(variable) if known is not None else None
@@ -235,6 +235,6 @@ def _named(name: str, prefix: str, pattern: str) -> bool:
 
 
 def _name(part: str) -> str:
-    """A component's name for a part that stands alone."""
+    """The component name of a part without a scenario."""
     name = Path(part).stem
     return name if name.isidentifier() and name != RECORDED else "part"

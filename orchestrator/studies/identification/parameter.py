@@ -1,4 +1,4 @@
-"""A parameter that is looked for: where it starts, and between what."""
+"""A parameter to be estimated: its start value and its bounds."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ class Unknown:
         return min(max(self.start + self.scale * (u - 1.0), self.low), self.high)
 
     def place(self, value: float) -> float:
-        """The place of the search for a value; infinite where that is."""
+        """The place of the search for a value; infinite for an infinite value."""
         return 1.0 + (value - self.start) / self.scale if isfinite(value) else value
 
 
 def unknowns_of(texts: Sequence[str], plan: Plan, parts: Sequence[str]) -> list[Unknown]:
     """Parameters named as `mass`, `payload.mass` or `payload.mass=0.3 g:2 g`.
 
-    Start values are the plan's, bounds where none are given the FMU's. Raises :class:`InputError`
-    where there is no such parameter, or where it cannot be searched for.
+    Start values are the plan's; bounds are by default the FMU's. Raises :class:`InputError` where
+    a parameter does not exist, or where it cannot be searched for.
     """
     found: list[Unknown] = []
     for text in texts:
@@ -69,7 +69,7 @@ def _unknown(name: str, span: str, plan: Plan, parts: Sequence[str]) -> Unknown:
     if component not in parts and len(parts) == 1:
         component, parameter = parts[0], name
     elif not dot or component not in parts:
-        raise InputError(f"{where}: is of no part here; {nearest(component, parts)}")
+        raise InputError(f"{where}: is not of a part here; {nearest(component, parts)}")
     interface = plan.interfaces[component]
     known = {v.name: v for v in interface.of("parameter") if v.real}
     if parameter not in known:
@@ -88,7 +88,7 @@ def _unknown(name: str, span: str, plan: Plan, parts: Sequence[str]) -> Unknown:
         except UnitError as error:
             raise InputError(f"{where}: {error}") from None
         if not low <= given[0] < given[1] <= high:
-            raise InputError(f"{where}: {span.strip()} is no range within {low:g} to {high:g}")
+            raise InputError(f"{where}: {span.strip()} is not a range within {low:g} to {high:g}")
         low, high = given
     if start == 0.0 and not (isfinite(low) and isfinite(high)):
         raise InputError(

@@ -1,4 +1,4 @@
-"""Least squares through the FMUs: values, how surely, and whether the residuals are noise.
+"""Least squares through the FMUs: values, their intervals, and whether the residuals are noise.
 
 With y the recorded and f(p) the simulated outputs at N points, each output j divided by the size
 s_j of its own residuals, the estimate minimises sum ((y_j - f_j(p)) / s_j)^2. For residuals that
@@ -48,7 +48,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Identified:
-    """What came of a fit, SI.
+    """The result of a fit, SI.
 
     `values` are the parameters with half-widths `intervals` at `level` and their `correlation`;
     `recorded` and `simulated` have a column for each pair of the case, over `times`; `counted` are
@@ -89,7 +89,7 @@ class Identified:
 
     @property
     def shares(self) -> Values:
-        """What of each output's variance about its mean the parts explain: 1 - |r|^2/|y - m|^2."""
+        """Share of each output's variance about its mean that is explained: 1 - |r|^2/|y - m|^2."""
         rows = self.recorded[self.counted]
         spread = ((rows - rows.mean(axis=0)) ** 2).mean(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -132,7 +132,7 @@ def identify(
     """Estimate parameters of a case's parts; see the module for what is minimised.
 
     Raises :class:`SimulationError` where the parts stop at their start values, and
-    :class:`InputError` where nothing can be told: too few rows, or outputs that do not move.
+    :class:`InputError` where the rows are too few to determine the parameters.
     """
     begun = perf_counter()
     wanted = settings or Settings()
@@ -196,7 +196,7 @@ def _search(
     experiment: _Experiment, recorded: Values, counted: NDArray[np.bool_], spread: Values,
     sizes: Values, places: Values, settings: Settings, tell: Callable[[str], None] | None,
 ) -> Any:  # fmt: skip
-    """One minimisation from `places`, each output by its size."""
+    """One minimisation from `places`, each output divided by its size."""
     from scipy.optimize import least_squares
 
     unknowns = experiment.unknowns
@@ -215,8 +215,8 @@ def _search(
             )
         left = ((recorded - simulated) / sizes)[counted]
         if tell is not None:
-            told = ", ".join(f"{u.full} = {v:.6g}" for u, v in zip(unknowns, values, strict=True))
-            tell(f"{experiment.runs} runs, rms {np.sqrt((left**2).mean()):.4g}: {told}")
+            named = ", ".join(f"{u.full} = {v:.6g}" for u, v in zip(unknowns, values, strict=True))
+            tell(f"{experiment.runs} runs, rms {np.sqrt((left**2).mean()):.4g}: {named}")
         return np.asarray(left.ravel())
 
     begin = np.clip(places, low, high)
@@ -242,14 +242,14 @@ def _jacobian(experiment: _Experiment, values: Values, counted: NDArray[np.bool_
 
 
 def _lag_one(residuals: Values) -> float:
-    """Correlation of residuals with their neighbours; 0 for residuals that are nothing at all."""
+    """Correlation of residuals with their neighbours; 0 for residuals that do not vary."""
     left = residuals - residuals.mean()
     power = float(left @ left)
     return float(left[1:] @ left[:-1]) / power if power > 0.0 else 0.0
 
 
 def _widened(lag_one: Values, count: int) -> float:
-    """How much wider intervals are for correlated residuals: not at all within chance."""
+    """Factor by which correlated residuals widen the intervals; 1 where chance explains them."""
     worst = float(lag_one.max(initial=0.0))
     if worst < 3.0 / sqrt(count):
         return 1.0

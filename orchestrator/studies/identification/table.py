@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 DRAWN = 1500
-"""Points of a curve that a picture gets."""
+"""Points of a curve in a plot, at most about."""
 ALIKE = 0.99
-"""Correlation from which two parameters cannot be told apart."""
+"""Correlation above which two parameters cannot be distinguished."""
 NOTABLE = 0.1
-"""Stepping error, of the residuals' size, from which it is worth a remark."""
+"""Stepping error, relative to the residuals' size, above which there is a remark."""
 
 
 def parameters(found: Identified) -> Table:
-    """Each parameter: from where, to where, how surely."""
+    """Each parameter: start value, fitted value, interval."""
     from rich.table import Table
 
     made = Table(title=printable(found.case.plan.scenario.title), title_justify="left")
@@ -41,7 +41,7 @@ def parameters(found: Identified) -> Table:
 
 
 def outputs(found: Identified) -> Table:
-    """Each output: what is left, what is explained, whether the rest is noise."""
+    """Each output: residual, explained share, correlation of neighbours, stepping error."""
     from rich.table import Table
 
     made = Table("output", "residual, rms", "explained", "neighbours", "stepping error")
@@ -55,26 +55,29 @@ def outputs(found: Identified) -> Table:
 
 
 def remarks(found: Identified) -> Iterator[str]:
-    """What speaks against taking the numbers as they are."""
+    """Reasons against taking the numbers as they are."""
     for name in found.at_bounds:
-        yield f"{name} has gone to the end of its range: the data want it beyond, or do not see it"
+        yield (
+            f"{name} has gone to the end of its range: the best value is beyond, or the data do not"
+            " determine it"
+        )
     for k, unknown in enumerate(found.unknowns):
         if not found.intervals[k] < abs(found.values[k]):
             yield (
-                f"{unknown.full} is uncertain by {found.intervals[k]:.2g} {unknown.unit}, as much"
-                " as it is: these data hardly see it"
+                f"{unknown.full} is uncertain by {found.intervals[k]:.2g} {unknown.unit}, at least"
+                " its own value: these data hardly determine it"
             )
     for i in range(len(found.unknowns)):
         for j in range(i):
             r = found.correlation[i, j]
             if abs(r) > ALIKE:
                 yield (
-                    f"{found.unknowns[j].full} and {found.unknowns[i].full} cannot be told apart:"
-                    f" correlation {r:+.3f}"
+                    f"{found.unknowns[j].full} and {found.unknowns[i].full} cannot be"
+                    f" distinguished: correlation {r:+.3f}"
                 )
     if found.widened > 1.0:
         yield (
-            f"residuals are no noise (neighbours correlated by {found.lag_one.max():.2f}): the"
+            f"residuals are not noise (neighbours correlated by {found.lag_one.max():.2f}): the"
             " parts miss something, or the noise is coloured; intervals are"
             f" {found.widened:.1f} times wider for it, and hold for coloured noise only"
         )
@@ -84,23 +87,24 @@ def remarks(found: Identified) -> Iterator[str]:
             if share > 1e-6:
                 yield (
                     f"{own}: half the communication step moves it by {found.stepping[k]:.2g}"
-                    f" {found.case.units[k]}; more rows, or a smaller --step, would say more"
+                    f" {found.case.units[k]}; more rows or a smaller --step make it more accurate"
                 )
 
 
 def figure(found: Identified) -> Figure:
-    """Recorded and fitted outputs over time, and what is left of each."""
+    """Recorded and fitted outputs over time, and the residual of each."""
     every = slice(None, None, max(1, len(found.times) // DRAWN))
     time = found.times[every].tolist()
     plots = []
     for k, (_, own) in enumerate(found.case.pairs):
         unit = found.case.units[k] or "1"
         across = Axis("time (s)")
-        told, ours = found.recorded[every, k].tolist(), found.simulated[every, k].tolist()
+        recorded = found.recorded[every, k].tolist()
+        fitted = found.simulated[every, k].tolist()
         left = (found.recorded - found.simulated)[every, k].tolist()
         plots += [
             Plot(own, across, Axis(f"value ({unit})"),
-                 [Curve("recorded", time, told, "points"), Curve("fitted", time, ours)]),
+                 [Curve("recorded", time, recorded, "points"), Curve("fitted", time, fitted)]),
             Plot(f"{own}: recorded less fitted", across, Axis(f"residual ({unit})"),
                  [Curve("residual", time, left)]),
         ]  # fmt: skip
@@ -108,7 +112,7 @@ def figure(found: Identified) -> Figure:
 
 
 def page(found: Identified) -> Page:
-    """The same as a page that opens offline."""
+    """The fit as a page that opens offline."""
     columns = [Column("Parameter"), Column("Start", number=True), Column("Fitted", number=True),
                Column("Interval", number=True), Column("Unit")]  # fmt: skip
     rows = [
@@ -121,11 +125,11 @@ def page(found: Identified) -> Page:
         ]
         for k, u in enumerate(found.unknowns)
     ]
-    said = list(remarks(found)) or ["Nothing speaks against these numbers."]
+    lines = list(remarks(found)) or ["No remark speaks against these numbers."]
     path = found.case.plan.recordings["recording"].interface.path
     sections = [
         Section("parameters", "Parameters", [PageTable("Fitted values", columns, rows)]),
-        Section("remarks", "Remarks", [Notes(said)]),
+        Section("remarks", "Remarks", [Notes(lines)]),
         Section("curves", "Recorded and fitted", [figure(found)]),
     ]
     facts = [("Runs", str(found.runs)), ("Rows", str(int(found.counted.sum())))]

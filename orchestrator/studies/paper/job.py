@@ -151,11 +151,9 @@ def answer_of(content: Mapping[str, Any]) -> Answer:
 
 def _looked_at(job: Job, outcome: Any) -> dict[str, Any]:
     from ...results.metrics import metrics
-    from ...results.netcdf import dataset
 
     plan = outcome.plan
-    data = dataset(outcome)
-    found = metrics(data, job.cycles or plan.scenario.metrics.cycles)
+    found = metrics(outcome, job.cycles or None)
     first = 0
     if job.cycles and plan.frequency:
         since = outcome.times[-1] - job.cycles / plan.frequency - 1e-9

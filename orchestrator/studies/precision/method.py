@@ -1,4 +1,4 @@
-"""A way to step a scenario: a master, and how much of the ports it is given."""
+"""A method to step a scenario: a master, and how much of each port is used."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ LAWS = ("held", "affine", "curvature")
 
 @dataclass(frozen=True)
 class Method:
-    """A master with as much of the ports as it is given.
+    """A master, and how much of each port is used.
 
-    `controlled` lets a tolerance choose the steps; `scenario` names another scenario that is
-    stepped in place of the one that is studied, for parts of another fidelity.
+    With `controlled` a tolerance chooses the steps; `scenario` names another scenario that is
+    stepped in place of the studied one, for parts of another fidelity.
     """
 
     kind: str
@@ -32,7 +32,7 @@ class Method:
 
 
 def parse_method(text: str) -> Method:
-    """`gauss-seidel`, `jacobi/held`: a master, and how much of the ports it uses."""
+    """A method from a text as `gauss-seidel` or `jacobi/held`; `InputError` where there is none."""
     kind, _, laws = text.partition("/")
     if kind not in MASTERS:
         raise InputError(f"--method {text!r}: no master {kind!r}; {nearest(kind, MASTERS)}")
@@ -42,7 +42,7 @@ def parse_method(text: str) -> Method:
 
 
 def methods_for(plan: Plan) -> list[Method]:
-    """Every master that the units allow; with laws where the scenario has any, and without."""
+    """Every master that the instances allow; with laws where the scenario has any, and without."""
     able = all(known.rollback for known in plan.interfaces.values())
     lawful = any(c.input.order for c in plan.connections)
     kinds = [name for name, master in MASTERS.items() if able or not master.needs_rollback]
@@ -51,13 +51,13 @@ def methods_for(plan: Plan) -> list[Method]:
 
 
 def own(plan: Plan, *, controlled: bool = False, scenario: str = "") -> Method:
-    """The method that a scenario asks for itself."""
+    """The method that the scenario itself asks for."""
     settings = plan.scenario.master
     return Method(settings.kind, settings.laws, controlled, scenario)
 
 
 def with_step(plan: Plan, method: Method, step: float, tolerance: float | None = None) -> Plan:
-    """The same scenario by another method and with another step, recorded whole."""
+    """The same scenario with another method and another step, every point recorded."""
     scenario = plan.scenario
     time = {"start": plan.grid.start, "stop": plan.grid.stop, "step": step, "tolerance": tolerance}
     time["frequency"] = plan.frequency

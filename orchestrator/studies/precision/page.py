@@ -1,4 +1,4 @@
-"""A precision study as a page: every run, what is advised, errors over time and step."""
+"""A precision study as a page: every run, the cheapest settings, errors over time and step."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ...report.page import Notes, Page, Section, Words
 from ...report.plot import Axis, Curve, Figure, Plot
 from ...report.table import Cell, Column, Table, quantity
 from .study import MeasuredRun, Study
-from .table import advice, per_cycle
+from .table import cheapest_settings, per_cycle
 
 COLUMNS = [
     Column("Method"), Column("Step"), Column("Error", number=True), Column("Order", number=True),
@@ -19,10 +19,14 @@ COLUMNS = [
 
 
 def page(study: Study) -> Page:
-    """Advice on top, then the plots, then the runs."""
+    """The cheapest settings on top, then the plots, then the runs."""
     errors = f"Errors of {', '.join(study.variables)} against {study.reference}."
     sections = [
-        Section("advice", "Cheapest for an error", [Words([errors]), Notes(list(advice(study)))]),
+        Section(
+            "cheapest",
+            "Cheapest for an error",
+            [Words([errors]), Notes(list(cheapest_settings(study)))],
+        ),
         Section("curves", "Error against cost", [_figure(study)]),
         Section("runs", "All runs", [_table(study)]),
     ]

@@ -1,4 +1,4 @@
-"""Error against run time: one scenario by every method over a ladder of communication steps."""
+"""Error against run time: one scenario by every method at a series of communication steps."""
 
 from __future__ import annotations
 
@@ -15,20 +15,23 @@ from ...simulation.interrupt import Interrupt, Interrupted
 from ...simulation.load import load
 from ...simulation.run import run
 from ..reference.solution import Reference, ReferenceSolution, leading, reference_solution
-from .method import Method, methods_for, own, with_step
+from .method import Method, methods_for, own, parse_method, with_step
 
-LADDER = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)
+FACTORS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)
+"""Steps as multiples of the scenario's own."""
+
 TARGETS = (1e-2, 1e-3, 1e-4)
+"""Errors for which the cheapest setting is looked up."""
 
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """One run: its setting, what it cost, how wrong each variable was, or what became of it.
+    """One run: its setting, its cost, and the error of each variable, or why it stopped.
 
-    `largest` and `rms` are errors relative to the reference's largest magnitude; `wall_time`
-    is the least of the repeats, loading apart. `order` is that of the largest error of the
-    leading variables between this run and the coarser one before it, over the mean step where
-    a tolerance chose them.
+    `status` is `done`, or `stopped: ` and the reason. `largest` and `rms` are errors relative to
+    the reference's largest magnitude; `wall_time` is the least of the repeats, without loading.
+    `order` is that of the largest error of the leading variables between this run and the coarser
+    one before it, over the mean step where a tolerance chose the steps.
     """
 
     method: Method
@@ -46,7 +49,7 @@ class MeasuredRun:
 
 @dataclass(frozen=True)
 class Study:
-    """A ladder for each method, against one reference whose own error is bounded."""
+    """Runs of each method, against one reference whose own error is bounded."""
 
     title: str
     reference: str
@@ -71,8 +74,8 @@ def precision(
     scenario: str | Path,
     library: Path = LIBRARY,
     *,
-    methods: Sequence[Method] | None = None,
-    ladder: Sequence[float] = LADDER,
+    methods: Sequence[Method | str] | None = None,
+    factors: Sequence[float] = FACTORS,
     tolerances: Sequence[float] = (),
     also: Sequence[str | Path] = (),
     reference: Reference | None = None,
@@ -83,37 +86,39 @@ def precision(
     interrupt: Interrupt | None = None,
     tell: Callable[[MeasuredRun], None] | None = None,
 ) -> Study:
-    """Run a scenario by each method with its step times each factor of the ladder.
+    """Run a scenario by each method with its step times each of the `factors`.
 
+    A method may be a text, as :func:`~orchestrator.studies.precision.method.parse_method` reads it.
     Besides, its own master gets each of the `tolerances`, and each scenario of `also`, by its own
     master, the same steps: a scenario with a part of another fidelity shows what that costs and
     how far it is from the first scenario. The reference is the first scenario's, see
     :func:`orchestrator.studies.reference.solution.reference_solution`.
-    `variables` lead: their errors make orders and advice; the motion otherwise. Runs that
-    fail stay in the study with their reason. Raises `InputError` on unknown variables and
-    `ScenarioError` where the monolith is asked for and cannot be had.
+    `variables`, by default the motion, lead: their errors give orders and the cheapest settings.
+    Runs that fail stay in the study with their reason. Raises `InputError` on unknown variables and
+    `ScenarioError` where the monolith is asked for and there is none.
     """
+    named = [parse_method(m) if isinstance(m, str) else m for m in methods or ()]
     given = dict(options or {})
     plan = load(scenario, changes, library, **given)
-    chosen = list(methods or methods_for(plan))
+    chosen = named or methods_for(plan)
     others = [load(other, None, library, **given) for other in also]
-    measure = reference_solution(plan, library, reference, min(ladder), interrupt)
-    shown = leading(plan, measure.exact, variables)
+    solution = reference_solution(plan, library, reference, min(factors), interrupt)
+    shown = leading(plan, solution.exact, variables)
     runs: list[MeasuredRun] = []
-    climb = _Runs(measure, shown, repeats, interrupt, runs, tell or (lambda measured: None))
-    steps = [factor * plan.grid.step for factor in sorted(ladder, reverse=True)]
+    bench = _Bench(solution, shown, repeats, interrupt, runs, tell or (lambda measured: None))
+    steps = [factor * plan.grid.step for factor in sorted(factors, reverse=True)]
     for method in chosen:
-        climb.up(plan, method, [(step, None) for step in steps])
+        bench.measure(plan, method, [(step, None) for step in steps])
     for other in others:
-        climb.up(other, own(other, scenario=other.path.stem), [(step, None) for step in steps])
+        bench.measure(other, own(other, scenario=other.path.stem), [(step, None) for step in steps])
     if tolerances:
         sizes = sorted(tolerances, reverse=True)
-        climb.up(plan, own(plan, controlled=True), [(plan.grid.step, t) for t in sizes])
+        bench.measure(plan, own(plan, controlled=True), [(plan.grid.step, t) for t in sizes])
     simulated = plan.grid.stop - plan.grid.start
     return Study(
         title=plan.scenario.title,
-        reference=measure.name,
-        bound=measure.bound,
+        reference=solution.name,
+        bound=solution.bound,
         variables=shown,
         frequency=plan.frequency,
         simulated=simulated,
@@ -122,27 +127,27 @@ def precision(
 
 
 @dataclass(frozen=True)
-class _Runs:
-    """One ladder after the other, all measured alike."""
+class _Bench:
+    """Measures methods one after another, all alike, and appends their runs to `runs`."""
 
-    measure: ReferenceSolution
+    solution: ReferenceSolution
     leading: list[str]
     repeats: int
     interrupt: Interrupt | None
     runs: list[MeasuredRun]
     tell: Callable[[MeasuredRun], None]
 
-    def up(
+    def measure(
         self, plan: Plan, method: Method, settings: Sequence[tuple[float, float | None]]
     ) -> None:
-        """Every run of one method, coarsest first."""
+        """Measure one method at settings of step [s] and tolerance, coarsest first."""
         before: MeasuredRun | None = None
         for step, tolerance in settings:
-            before = self._rung(plan, method, step, tolerance, before)
+            before = self._measured(plan, method, step, tolerance, before)
             self.runs.append(before)
             self.tell(before)
 
-    def _rung(
+    def _measured(
         self,
         plan: Plan,
         method: Method,
@@ -150,7 +155,7 @@ class _Runs:
         tolerance: float | None,
         before: MeasuredRun | None,
     ) -> MeasuredRun:
-        """One setting, repeated; the reason in its status where it does not run."""
+        """One setting, repeated; the reason is in its status where it does not run."""
         try:
             setting = with_step(plan, method, step, tolerance)
             done = run(setting, interrupt=self.interrupt, estimate=False)
@@ -165,7 +170,7 @@ class _Runs:
             ]
         except ResilinError as error:
             return MeasuredRun(method, step, tolerance, f"stopped: {error}")
-        largest, rms = self.measure.errors(done, self.interrupt)
+        largest, rms = self.solution.errors(done, self.interrupt)
         made = MeasuredRun(
             method=method,
             step=step,
@@ -181,7 +186,7 @@ class _Runs:
         return replace(made, order=self._order(before, made))
 
     def _order(self, before: MeasuredRun | None, measured: MeasuredRun) -> float:
-        """Observed order between two runs; NaN where there are none to be compared."""
+        """Observed order between two runs; NaN where they cannot be compared."""
         if before is None or not before.largest or not self.leading:
             return float("nan")
         first = max(before.largest.get(name, 0.0) for name in self.leading)

@@ -1,4 +1,4 @@
-"""A precision study as a table, a file for spreadsheets, a log-log picture and advice."""
+"""A precision study as a table, a CSV file, a log-log plot, and its cheapest settings."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def per_cycle(study: Study, measured: MeasuredRun) -> str:
 
 
 def table(study: Study) -> Table:
-    """Every run: setting, error, order, what it cost, or why it did not run."""
+    """Every run: setting, error, order and cost, or why it stopped."""
     from rich.table import Table
 
     made = Table(title=printable(study.title), title_justify="left")
@@ -49,8 +49,8 @@ def table(study: Study) -> Table:
     return made
 
 
-def advice(study: Study) -> Iterator[str]:
-    """The cheapest setting for each of the usual errors."""
+def cheapest_settings(study: Study) -> Iterator[str]:
+    """A line for each of the usual errors: the cheapest setting that reaches it."""
     for target in TARGETS:
         measured = study.cheapest(target)
         if measured is None:
@@ -91,12 +91,12 @@ def facts(study: Study) -> list[dict[str, Any]]:
 
 
 def write(study: Study, path: Path) -> Path:
-    """All records as CSV; a text that a spreadsheet would compute is quoted away."""
+    """Write all records as CSV; a text that a spreadsheet would compute is quoted."""
     return write_records(facts(study), path)
 
 
 def draw(study: Study, path: Path) -> Path:
-    """Error over wall time and over the step, a curve for each method; failures at the top."""
+    """Draw error over wall time and over the step, a curve for each method, failures at the top."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -1,1 +1,1 @@
-"""Solutions that other runs are held against."""
+"""Reference solutions, with which other runs are compared."""

@@ -1,7 +1,7 @@
 """A scenario made of our parts as its own monolithic reference.
 
-The part `monolith` composes the same physics as one ODE under the same names; a scenario is its
-own reference once that part stands in place of all others.
+The part `monolith` composes the same physics as one ODE under the same names; with that part in
+place of all others a scenario is its own reference.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ MONOLITH = "monolith"
 def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
     """Plan of the same scenario solved as one ODE.
 
-    Raises `ScenarioError` where a component is no part that the monolith is made of, where two
-    are the same part, or where an input is held at anything but zero: such a scenario needs
-    another reference.
+    Raises `ScenarioError` where a component is not a part that the monolith is made of, where two
+    components are the same part, or where an input is held at anything but zero: such a scenario
+    needs another reference.
     """
     scenario = plan.scenario
     home = _home(library)
@@ -35,7 +35,9 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
         if part not in known or plan.interfaces[name].path != fmu_path(part, plan.path, library):
             raise ScenarioError(f"{plan.path}: components.{name}: not a part of the monolith")
     if len(set(parts.values())) != len(parts):
-        raise ScenarioError(f"{plan.path}: components: two of one part have no monolith")
+        raise ScenarioError(
+            f"{plan.path}: components: a scenario with two of one part has no monolith"
+        )
     for key, value in plan.held.items():
         if value != 0.0:
             raise ScenarioError(f"{plan.path}: hold.{key}: the monolith holds it at zero")
@@ -51,7 +53,7 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
 
 
 def _home(library: Path) -> Path:
-    """Folder of the monolith: native parts, which it has no form of, take that of their sibling."""
+    """Folder of the monolith; native parts take it from the sibling folder, as none is native."""
     sibling = library.with_name(LIBRARY.name)
     if is_file(library / f"{MONOLITH}.fmu") or not is_file(sibling / f"{MONOLITH}.fmu"):
         return library
@@ -87,7 +89,7 @@ def _held(name: str) -> dict[str, float | str]:
 
 
 def as_recorded(reference: Outcome, plan: Plan) -> Outcome:
-    """The monolith's outcome under the names that the scenario's components have."""
+    """The monolith's outcome under the names of the scenario's components."""
     names = {plan.interfaces[name].path.stem: name for name in plan.order}
     renamed = []
     for name in reference.names:

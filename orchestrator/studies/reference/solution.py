@@ -1,4 +1,4 @@
-"""What a run is measured by: a reference, and the errors against it."""
+"""The reference solution of a scenario, and the errors of runs against it."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ Reference = Literal["monolith", "self"]
 
 @dataclass(frozen=True)
 class ReferenceSolution:
-    """A reference solution of a scenario; `bound` is that of its own error, where that is known.
+    """A reference solution of a scenario; `bound` bounds its own error, where that is known.
 
-    `single` is the scenario's monolith where it has one. It is solved again where a run
-    communicates at points of its own; else the solution is interpolated by cubic splines.
+    `single` is the scenario's monolith where there is one. It is solved again where a run
+    communicates at other points; without it the solution is interpolated by cubic splines.
     """
 
     exact: Outcome
@@ -38,9 +38,9 @@ class ReferenceSolution:
     def errors(
         self, done: Outcome, interrupt: Interrupt | None = None
     ) -> tuple[dict[str, float], dict[str, float]]:
-        """Largest and root-mean-square error of each variable of a run, relative.
+        """Largest and root-mean-square error of each variable of a run.
 
-        By the largest magnitude that the reference has; over the times that both have.
+        Relative to the reference's largest magnitude, over the times that both share.
         """
         exact = self.exact
         if done.plan.scenario.time.tolerance is not None:
@@ -59,7 +59,7 @@ class ReferenceSolution:
 
 
 def errors(done: Outcome, exact: Outcome) -> tuple[dict[str, float], dict[str, float]]:
-    """Largest and root-mean-square error of what two runs share, relative to the second's peak."""
+    """Largest and root-mean-square error of shared variables, relative to the second run's peak."""
     mine, theirs = common(done.times, exact.times)
     largest, rms = {}, {}
     for name in (name for name in exact.names if name in done.names):
@@ -89,12 +89,13 @@ def reference_solution(
     finest: float = 1.0,
     interrupt: Interrupt | None = None,
 ) -> ReferenceSolution:
-    """The monolith at the scenario's communication points; else the scenario by itself.
+    """The monolith at the scenario's communication points; else a fine run of the scenario itself.
 
-    Then it is iterated, or by Gauss-Seidel where that does not settle, at a quarter of the
-    `finest` of the steps to be measured, given as a multiple of the scenario's, and bounded by its
-    distance from half that fineness. Raises `ScenarioError` where a monolith is wanted and there
-    is none, `SimulationError` where the reference itself cannot be calculated.
+    That run is by the iterative master, or by Gauss-Seidel where iterations do not converge, at a
+    quarter of the `finest` of the steps to be measured, which is given as a multiple of the
+    scenario's; its error is bounded by the distance from the run at twice that step. Raises
+    `ScenarioError` where a monolith is wanted and there is none, `SimulationError` where the
+    reference itself cannot be calculated.
     """
     if wanted != "self":
         try:
@@ -116,7 +117,7 @@ def reference_solution(
 
 
 def _itself(plan: Plan, kind: str, finest: float, interrupt: Interrupt | None) -> ReferenceSolution:
-    """The scenario at a quarter of the finest step, bounded by its distance from half of that."""
+    """The scenario at a quarter of the finest step, bounded by the distance from that at half."""
     method = Method(kind, plan.scenario.master.laws)
     fine, finer = (
         _whole(run(with_step(plan, method, share * finest * plan.grid.step), interrupt=interrupt))
@@ -133,7 +134,7 @@ def _whole(outcome: Outcome) -> Outcome:
 
 
 def leading(plan: Plan, exact: Outcome, variables: Iterable[str] | None = None) -> list[str]:
-    """Variables whose errors count: those named, else those that lead in the scenario."""
+    """Variables whose errors count: those named, else the leading ones of the scenario."""
     if variables:
         for name in variables:
             if name not in exact.names:

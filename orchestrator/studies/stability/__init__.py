@@ -1,4 +1,4 @@
-"""Stiff and extreme cases by every master over a ladder of steps: what becomes of each run."""
+"""Stiff and extreme cases by every master at a series of steps: the class of each run."""
 
 from .cases import Case, load_cases
 from .classification import CLASSES, Trial

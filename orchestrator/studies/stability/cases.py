@@ -16,7 +16,7 @@ from ...simulation.load import planned
 from ..named_list import Named, load_list
 from ..reference.solution import Reference
 
-LADDER = (4, 8, 16, 32, 64, 128, 256, 512, 1024)
+PER_CYCLE = (4, 8, 16, 32, 64, 128, 256, 512, 1024)
 """Communication steps in a cycle, unless a case has its own."""
 
 SHIPPED = "cases/extremes.toml"
@@ -25,14 +25,14 @@ SHIPPED = "cases/extremes.toml"
 class Case(Named):
     """A named scenario, given as a tree that may extend another, with start values changed.
 
-    `per_cycle` are its steps; `reference` is what it is measured by where it is not the
-    monolith, if there is one.
+    `per_cycle` are its steps in a cycle; `reference` chooses the reference solution, by default
+    the monolith where there is one.
     """
 
     title: Text = ""
     scenario: dict[str, Any]
     set: dict[str, Quantity | bool] = {}
-    per_cycle: list[Annotated[int, Field(strict=True, ge=1, le=1_000_000)]] = list(LADDER)
+    per_cycle: list[Annotated[int, Field(strict=True, ge=1, le=1_000_000)]] = list(PER_CYCLE)
     reference: Reference | None = None
 
 
@@ -42,7 +42,7 @@ def shipped() -> Path:
 
 
 def load_cases(path: Path, names: list[str] | None = None) -> list[Case]:
-    """Cases of a TOML file, or those of them that are named; `ScenarioError` with what is wrong."""
+    """Cases of a TOML file, all or those named; `ScenarioError` with what is wrong."""
     return load_list(path, "cases", Case, names)
 
 

@@ -46,7 +46,7 @@ def table(study: Study) -> Table:
 
 
 def legend() -> str:
-    """What the letters mean."""
+    """The meaning of each letter, in one line."""
     return "; ".join(f"{LETTERS[kind]} {kind}: {meaning}" for kind, meaning in CLASSES.items())
 
 
@@ -58,12 +58,12 @@ def _rows(study: Study) -> list[tuple[tuple[str, str], list[Trial]]]:
 
 
 def write(study: Study, path: Path) -> Path:
-    """Every trial as a line of CSV; a text that a spreadsheet would compute is quoted away."""
+    """Write every trial as a line of CSV; a text that a spreadsheet would compute is quoted."""
     return write_records([asdict(trial) for trial in study.trials], path)
 
 
 def draw(study: Study, path: Path) -> Path:
-    """Heat maps, one for each method: cases down, steps across, coloured by class."""
+    """Draw heat maps, one for each method: cases down, steps across, coloured by class."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -1,4 +1,4 @@
-"""What became of one run of a case."""
+"""The class of one run of a case."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from ...simulation.run import estimated
 from ...simulation.summary import warnings
 
 ACCURATE = 1e-2
-"""Largest relative error of the leading variables of a run that is taken for accurate."""
+"""Largest relative error of the leading variables of a run that counts as accurate."""
 
 HONEST = 1.0 / 3.0
-"""Share of the true error that an estimate has to reach to have told of it."""
+"""Share of the true error that an estimate has to reach to count as a warning of it."""
 
 CLASSES = {
     "accurate": f"error at most {ACCURATE:.0%}",
-    "inaccurate": "bounded, and the run says that it is wrong",
-    "stopped": "ended by an error that names unit, place and time",
-    "silent": "wrong, and nothing says so",
+    "inaccurate": "bounded, and its audit or error estimate warns",
+    "stopped": "ended by an error that names instance, place and time",
+    "silent": "wrong, and nothing warns",
     "late": "not finished within its patience",
 }
 
@@ -28,9 +28,9 @@ CLASSES = {
 class Trial:
     """One run: case, master, use of laws, steps in a cycle; its class, and why.
 
-    `error` is the largest relative one of the leading variables; `told` what a run that is
-    wrong says of itself: the energy audit's warning, its error estimate, or nothing.
-    `usual` marks the scenario's own master and step, `auto` the step that is found for it.
+    `error` is the largest relative one of the leading variables; `noticed_by` is what warns of an
+    inaccurate run: `audit` (of energy), `estimate` (of the error), or nothing. `usual` marks the
+    scenario's own master and step, `auto` the automatic step.
     """
 
     case: str
@@ -39,7 +39,7 @@ class Trial:
     per_cycle: int
     kind: str
     error: float | None = None
-    told: str = ""
+    noticed_by: str = ""
     reason: str = ""
     wall_time: float = 0.0
     calls: int = 0
@@ -48,10 +48,10 @@ class Trial:
 
 
 def judged(done: Outcome, error: float, names: Iterable[str]) -> tuple[str, str]:
-    """Class of a run that went to its end, and what it tells of its error.
+    """Class of a run that reached its end, and what notices its error.
 
-    An inaccurate run is asked for its estimate, at twice its cost, unless the energy audit
-    has warned of it.
+    The error of an inaccurate run is estimated, at twice the run's cost, unless the energy audit
+    has warned already.
     """
     if error <= ACCURATE:
         return "accurate", ""

@@ -26,13 +26,13 @@ def page(study: Study) -> Page:
     sections = [
         Section("classes", "Classes", [_counts(study), _meanings()]),
         *(Section(f"laws-{each}", f"Ports: {each}", [_table(study, each, steps)]) for each in laws),
-        Section("reasons", "What runs said", [Notes(list(_reasons(study)))]),
+        Section("reasons", "Why runs stopped", [Notes(list(_reasons(study)))]),
         Section("references", "References", [Notes(_references(study))]),
     ]
     facts = [("Cases", str(len(study.cases))), ("Runs", str(len(study.trials))),
              ("Time", f"{study.wall_time:.0f} s"),
              ("Memory of a worker, at most", f"{study.memory / 1e6:.0f} MB")]  # fmt: skip
-    lead = "Stiff and extreme cases by every master over a ladder of steps in a cycle."
+    lead = "Stiff and extreme cases by every master at a series of steps in a cycle."
     return Page("Stability", lead, sections, facts)
 
 
@@ -42,7 +42,7 @@ def _references(study: Study) -> list[str]:
 
 def _counts(study: Study) -> Table:
     counts = [study.count(), study.count("usual"), study.count("auto")]
-    titles = ["All runs", "Scenarios' own settings", "Step found for them"]
+    titles = ["All runs", "Scenarios' own settings", "Automatic step"]
     columns = [Column("Class"), *(Column(title, number=True) for title in titles)]
     rows = [
         [
@@ -80,10 +80,10 @@ def _cell(trial: Trial | None) -> Cell:
 
 
 def _reasons(study: Study) -> Iterator[str]:
-    """Each reason once, with the run that gave it first."""
-    told: dict[str, Trial] = {}
+    """Each reason once, with the first run that stopped for it."""
+    first: dict[str, Trial] = {}
     for trial in study.trials:
         if trial.reason:
-            told.setdefault(trial.reason, trial)
-    for reason, trial in told.items():
+            first.setdefault(trial.reason, trial)
+    for reason, trial in first.items():
         yield f"{trial.case}, {trial.master}, {trial.laws}, {trial.per_cycle} steps: {reason}"

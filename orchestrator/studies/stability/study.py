@@ -25,9 +25,9 @@ PATIENCE = 30.0
 
 @dataclass(frozen=True)
 class Study:
-    """Trials of every case; what each was measured by, how long all of it took [s].
+    """Trials of every case, the name of each case's reference, and the wall time of all [s].
 
-    `memory` is the most that a worker held [byte].
+    `memory` is the most that a worker has used [byte].
     """
 
     cases: list[Case]
@@ -53,11 +53,11 @@ def stability(
     interrupt: Interrupt | None = None,
     tell: Callable[[int, int], None] | None = None,
 ) -> Study:
-    """Run each case of a file by each method at each of its steps, and class what comes of it.
+    """Run each case of a file by each method at each of its steps, and class each run.
 
-    First the references, then the ladders; a worker that dies or hangs costs its own ladder,
-    which then counts as silently wrong. Raises `ScenarioError` with all problems of all cases
-    before anything runs.
+    The references are solved first. A task is one case by one method; where its worker ends or
+    hangs, all trials of that task count as silently wrong. Raises `ScenarioError` with all problems
+    of all cases before anything runs.
     """
     begun = perf_counter()
     check = interrupt.check if interrupt is not None else _nothing
@@ -65,8 +65,8 @@ def stability(
     with tempfile.TemporaryDirectory(prefix="resilin_") as folder:
         basis = (file.resolve(), library.resolve(), Path(folder), patience)
         solve = [Job(case, *basis) for case in cases]
-        climb = [Job(case, *basis, method) for case in cases for method in tried[case.name]]
-        total = len(solve) + len(climb)
+        attempt = [Job(case, *basis, method) for case in cases for method in tried[case.name]]
+        total = len(solve) + len(attempt)
         references: dict[str, str] = {}
         trials: list[Trial] = []
         memory = 0.0
@@ -74,7 +74,8 @@ def stability(
             for done, (job, answer) in enumerate(pool.answers(solve, check), start=1):
                 references[job.case.name] = _named(answer)
                 (tell or _silent)(done, total)
-            for done, (job, answer) in enumerate(pool.answers(climb, check), start=len(solve) + 1):
+            answers = pool.answers(attempt, check)
+            for done, (job, answer) in enumerate(answers, start=len(solve) + 1):
                 trials += _trials(job, answer)
                 memory = max(memory, answer.get("memory", 0.0) if isinstance(answer, dict) else 0.0)
                 (tell or _silent)(done, total)
@@ -109,7 +110,7 @@ def _named(answer: dict[str, Any] | Failed) -> str:
 
 
 def _trials(job: Job, answer: dict[str, Any] | Failed) -> list[Trial]:
-    """Trials of an answer; a ladder that was lost counts as silently wrong."""
+    """Trials of an answer; without an answer all of them count as silently wrong."""
     if isinstance(answer, dict) and "trials" in answer:
         return [Trial(**trial) for trial in answer["trials"]]
     reason = answer.reason if isinstance(answer, Failed) else str(answer.get("reason"))
@@ -121,8 +122,8 @@ def _trials(job: Job, answer: dict[str, Any] | Failed) -> list[Trial]:
 
 
 def _nothing() -> None:
-    """No interrupts to look for."""
+    """Check for no interrupts."""
 
 
 def _silent(done: int, total: int) -> None:
-    """Nobody is told."""
+    """Show no progress."""

@@ -1,4 +1,4 @@
-"""The work of a stability study: references, and ladders of trials, one case and method each."""
+"""The tasks of a stability study: the reference of a case, or its trials by one method."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ from ..reference.solution import errors, leading, reference_solution
 from .cases import Case, plan_of
 from .classification import Trial, judged
 
-MOST_TOLD = 300
+LONGEST = 300
+"""Characters of a reason, at most."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """A case for a worker: with a method its ladder of trials, without one its reference."""
+    """A task: with a method the trials of a case, without one the case's reference."""
 
     case: Case
     file: Path
@@ -36,7 +37,7 @@ class Job:
 
     @property
     def solution(self) -> Path:
-        """Where the reference is kept."""
+        """File of the reference."""
         return self.folder / f"{self.case.name}.npz"
 
 
@@ -58,20 +59,21 @@ class Late(Interrupted):
 
 
 def work(job: Job) -> dict[str, Any]:
-    """What a worker does with a job; what goes wrong is in the answer."""
+    """Carry out a job in a worker; the reason of a failure is in the answer."""
     try:
         if job.method is None:
             return _reference(job)
-        trials = [asdict(trial) for trial in _ladder(job, job.method)]
+        trials = [asdict(trial) for trial in _trials(job, job.method)]
         return {"trials": trials, "memory": _memory()}
     except ResilinError as error:
         return {"reason": _short(error)}
 
 
 def _reference(job: Job) -> dict[str, Any]:
-    """Solve a case at its finest steps, by its monolith or else by itself; kept in a file.
+    """Solve a case at its finest steps, by its monolith or else by itself, into a file.
 
-    Where neither has a solution the answer says why: then every run of the case has to stop.
+    Where neither has a solution the answer gives the reason: then every run of the case has to
+    stop.
     """
     plan = plan_of(job.case, job.file, job.library, max(job.case.per_cycle))
     wanted: list[Any] = [job.case.reference] if job.case.reference else [None, "self"]
@@ -92,8 +94,8 @@ def _reference(job: Job) -> dict[str, Any]:
     return {"reference": "", "reason": "; ".join(reasons)}
 
 
-def _ladder(job: Job, method: Method) -> list[Trial]:
-    """Trials of one method, coarsest first; no finer ones once one was late."""
+def _trials(job: Job, method: Method) -> list[Trial]:
+    """Trials of one method, coarsest first; none is run that is finer than a late one."""
     own_plan = plan_of(job.case, job.file, job.library)
     exact = _solution(job, own_plan)
     usual = round(1.0 / (own_plan.frequency or 1.0) / own_plan.grid.step)
@@ -113,7 +115,7 @@ def _ladder(job: Job, method: Method) -> list[Trial]:
 
 
 def _automatic(job: Job, method: Method, exact: Outcome | None) -> Trial:
-    """The scenario's own master with the step that is found for it, or the reason why none is."""
+    """The scenario's own master with the automatic step, or the reason why there is none."""
     bare = Trial(job.case.name, method.kind, method.laws, 0, "late", auto=True)
     try:
         plan = plan_of(job.case, job.file, job.library, "auto")
@@ -125,7 +127,7 @@ def _automatic(job: Job, method: Method, exact: Outcome | None) -> Trial:
 
 
 def _trial(job: Job, plan: Plan, exact: Outcome | None, bare: Trial) -> Trial:
-    """Run one setting and class what comes of it."""
+    """Run one setting and class the run."""
     try:
         done = run(plan, interrupt=_Deadline(job.patience), estimate=False)
         spent = replace(bare, wall_time=done.wall_time, calls=sum(done.calls.values()))
@@ -134,12 +136,12 @@ def _trial(job: Job, plan: Plan, exact: Outcome | None, bare: Trial) -> Trial:
         if done.failure is not None:
             return replace(spent, kind="stopped", reason=_short(done.failure))
         if exact is None:
-            return replace(spent, kind="silent", reason="there is no solution to be found")
+            return replace(spent, kind="silent", reason="the case has no reference solution")
         error = max(errors(done, exact)[0].values())
-        kind, told = judged(done, error, exact.names)
+        kind, noticed_by = judged(done, error, exact.names)
     except ResilinError as failure:
         return replace(bare, kind="stopped", reason=_short(failure))
-    return replace(spent, kind=kind, error=error, told=told)
+    return replace(spent, kind=kind, error=error, noticed_by=noticed_by)
 
 
 def _solution(job: Job, plan: Plan) -> Outcome | None:
@@ -152,7 +154,7 @@ def _solution(job: Job, plan: Plan) -> Outcome | None:
 
 
 def _memory() -> float:
-    """Most memory [byte] that this process has held; 0 where the system does not tell."""
+    """Most memory [byte] that this process has used; 0 where the system does not report it."""
     try:
         import resource
     except ImportError:
@@ -162,4 +164,4 @@ def _memory() -> float:
 
 
 def _short(error: Exception) -> str:
-    return printable(str(error).replace("\n", "; "), most=MOST_TOLD)
+    return printable(str(error).replace("\n", "; "), most=LONGEST)

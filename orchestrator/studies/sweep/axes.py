@@ -23,7 +23,7 @@ FORMS = "write start:stop:step as 1:100:5Hz, start:stop/count as 1:50/26Hz, or a
 
 @dataclass(frozen=True)
 class Axis:
-    """A start value, named `component.parameter`, and what it becomes: texts with units."""
+    """A start value, named `component.parameter`, and its values on the axis: texts with units."""
 
     name: str
     values: tuple[str, ...]
@@ -33,7 +33,7 @@ def parse_axis(text: str) -> Axis:
     """An axis from `component.parameter=start:stop:step unit`, `=start:stop/count unit` or a list.
 
     The stop belongs to a range where the steps meet it. A unit is written once, at the end, or
-    the same on every number. `InputError` says what is wrong, and how it is written.
+    the same on every number. `InputError` names what is wrong, and how it is written.
     """
     name, equals, values = (part.strip() for part in text.partition("="))
     component, _, parameter = name.partition(".")
@@ -53,7 +53,7 @@ def check_axes(axes: Sequence[Axis], changes: dict[str, str]) -> None:
     names = [axis.name for axis in axes]
     for name in names:
         if names.count(name) > 1:
-            raise InputError(f"axis {printable(name)}: stands twice; give all its values in one")
+            raise InputError(f"axis {printable(name)}: is given twice; give all its values in one")
         if name in changes:
             raise InputError(
                 f"axis {printable(name)}: is set to {changes[name]!r} as well; drop one"
@@ -78,7 +78,7 @@ def _range(text: str) -> list[str]:
         return _with_unit(_even(_number(first[1]), _number(counted[1]), counted[3]), unit)
     found = [_QUANTITY.fullmatch(part) for part in parts]
     if len(found) != 3 or None in found:
-        raise _Malformed(f"is no range; {FORMS}")
+        raise _Malformed(f"is not a range; {FORMS}")
     units = [match[2] for match in found if match]
     start, stop, step = (_number(match[1]) for match in found if match)
     return _with_unit(_stepped(start, stop, step), _common(units, units[-1]))
@@ -125,7 +125,7 @@ def _list(text: str) -> list[str]:
     if len(quantities) < len(items):
         bare = [match[0] for match in quantities if not match[2]]
         if bare:
-            raise _Malformed(f"mixes numbers and texts: {bare[0]} is no text")
+            raise _Malformed(f"mixes numbers and texts: {bare[0]} is not a text")
         return _distinct(items, items)
     unit = _common([match[2] for match in quantities], quantities[-1][2])
     same = [_number(match[1]) for match in quantities]
@@ -144,7 +144,7 @@ def _distinct(texts: list[str], values: Sequence[object]) -> list[str]:
 
 
 def _common(units: Sequence[str | None], last: str | None) -> str:
-    """The one unit of an axis: on every number alike, or at the end alone."""
+    """The one unit of an axis: the same on every number, or at the end alone."""
     given = {unit.strip() for unit in units if unit}
     everywhere = all(units)
     if len(given) > 1 or (given and not everywhere and not last):

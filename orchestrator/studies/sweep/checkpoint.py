@@ -49,7 +49,7 @@ class Checkpoint:
             self._lock.close()
 
     def read(self, point: Point) -> Record | None:
-        """What became of a point; None where that is not known, or no longer readable."""
+        """The record of a point; None where there is none, or where it is no longer readable."""
         try:
             found = self._cache.read(point.key)
             return None if found is None else record_of(found["record"])
@@ -57,7 +57,7 @@ class Checkpoint:
             return None
 
     def write(self, point: Point, record: Record) -> None:
-        """Keep what became of a point; it survives a kill once this returns."""
+        """Write the record of a point, which survives a kill once this returns."""
         named = dict(zip(point.names, point.values, strict=True))
         try:
             self._cache.write(point.key, {"point": named, "record": plain(record)})
@@ -67,7 +67,7 @@ class Checkpoint:
             ) from None
 
     def remove(self) -> None:
-        """Take all points away, and the folder where nothing else is in it."""
+        """Remove all points; the folder goes on exit where nothing else is in it."""
         with contextlib.suppress(OSError):
             for entry in self.path.iterdir():
                 if _POINT.fullmatch(entry.name):
@@ -75,7 +75,7 @@ class Checkpoint:
 
 
 def plain(record: Record) -> dict[str, Any]:
-    """A record as JSON has it; a metric that is no finite number is null."""
+    """A record as JSON; a metric that is not a finite number is null."""
     metrics = [[n, v if math.isfinite(v) else None, u] for n, v, u in record.metrics]
     return {
         "status": record.status,
@@ -87,7 +87,7 @@ def plain(record: Record) -> dict[str, Any]:
 
 
 def record_of(known: dict[str, Any]) -> Record:
-    """The record behind its JSON, or behind a worker's answer."""
+    """The record of its JSON, or of a worker's answer."""
     metrics = tuple(
         (str(name), math.nan if value is None else float(value), str(unit))
         for name, value, unit in known["metrics"]
@@ -102,7 +102,7 @@ def record_of(known: dict[str, Any]) -> Record:
 
 
 def _locked(file: IO[bytes]) -> bool:
-    """Take a lock that ends with the process; where there are no locks, go without."""
+    """Take a lock that ends with the process; true too where the system has no locks."""
     try:
         import fcntl
     except ImportError:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray
 
 KEPT = ("title", "scenario_file", "fmu_guids", "fmu_sha256", "resilin_version", "master", "laws")
-"""What the provenance of one run says of all of them."""
+"""The provenance that all runs of a sweep share."""
 
 MISSING = Record("missing", "not run yet")
 
@@ -27,7 +27,7 @@ def collected(
 ) -> xarray.Dataset:
     """All points over dimension `point`: axes as coordinates, metrics and status as variables.
 
-    `reason` says why points are missing, where they are.
+    `reason` is why points are missing, where any are.
     """
     import xarray
 
@@ -35,8 +35,9 @@ def collected(
     coordinates: dict[str, Any] = {}
     for k, axis in enumerate(grid.coordinates):
         places = np.array([point.place[k] for point in points], float if axis.numeric else object)
-        said = {"long_name": axis.description} | ({"units": axis.unit} if axis.numeric else {})
-        coordinates[netcdf_name(axis.name)] = ("point", places, said)
+        attributes = {"long_name": axis.description}
+        attributes |= {"units": axis.unit} if axis.numeric else {}
+        coordinates[netcdf_name(axis.name)] = ("point", places, attributes)
     units = {name: unit for row in rows for name, _, unit in row.metrics}
     columns: dict[str, Any] = {}
     for name, unit in units.items():
@@ -44,15 +45,15 @@ def collected(
         numbers = np.array([np.nan if value is None else value for value in values])
         columns[netcdf_name(name)] = ("point", numbers, {"units": unit, "long_name": name})
     columns |= _circumstances(rows)
-    said = _provenance(grid) | {
+    known = _provenance(grid) | {
         "complete": int(not any(row is MISSING for row in rows)),
         "reason": reason,
     }
-    return xarray.Dataset(columns, coords=coordinates, attrs=said)
+    return xarray.Dataset(columns, coords=coordinates, attrs=known)
 
 
 def _circumstances(rows: Sequence[Record]) -> dict[str, Any]:
-    """How each point went: status, reason, time, steps."""
+    """Status, reason, time and steps of each point."""
     return {
         "status": ("point", np.array([row.status for row in rows], object)),
         "reason": ("point", np.array([row.reason for row in rows], object)),
@@ -70,7 +71,7 @@ def _circumstances(rows: Sequence[Record]) -> dict[str, Any]:
 
 
 def _provenance(grid: Grid) -> dict[str, Any]:
-    """What the sweep is made of; the scenario is that of the first point."""
+    """Provenance of the sweep; the scenario is that of the first point."""
     known = provenance(grid.plan)
     first = grid.points[0]
     return {name: known[name] for name in KEPT} | {
@@ -83,7 +84,7 @@ def _provenance(grid: Grid) -> dict[str, Any]:
 def write(data: xarray.Dataset, path: Path) -> Path:
     """Write a sweep to `path`, or beside it as partial where points are missing.
 
-    All is compressed and checksummed, texts too: a flipped bit is found, not read.
+    All is compressed and checksummed, texts too: a flipped bit is an error when it is read.
     """
     target = path if data.attrs["complete"] else partial_path(path)
     coded = {"zlib": True, "complevel": 1, "fletcher32": True}

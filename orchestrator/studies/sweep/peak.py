@@ -10,8 +10,8 @@ from itertools import pairwise
 FINEST = 1.0 / 8.0
 """Smallest spacing beside the peak, of that of the grid."""
 
-SETTLED = 1e-3
-"""Change of the parabola's peak, relative, below which nothing is to be gained."""
+UNCHANGED = 1e-3
+"""Relative change of the parabola's peak below which refining ends."""
 
 
 @dataclass(frozen=True)
@@ -22,16 +22,16 @@ class Peak:
     value: float
 
     def like(self, other: Peak, near: float) -> bool:
-        """Whether another estimate says the same: in value to `SETTLED`, in place to `near`."""
-        settled = abs(self.value - other.value) <= SETTLED * abs(self.value)
-        return settled and abs(self.at - other.at) <= near
+        """Whether another estimate is the same: in value to `UNCHANGED`, in place to `near`."""
+        unchanged = abs(self.value - other.value) <= UNCHANGED * abs(self.value)
+        return unchanged and abs(self.at - other.at) <= near
 
 
 def peak_of(values: Mapping[float, float]) -> Peak | None:
     """Vertex of the parabola through the largest value and its neighbours.
 
-    The largest value itself where it stands at an end, or beside a point without a value
-    (NaN); None where no point has one.
+    The largest value itself where it is at an end, or beside a point without a value (NaN); None
+    where no point has one.
     """
     places, k = _largest(values)
     if k is None:

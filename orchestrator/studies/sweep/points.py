@@ -1,4 +1,4 @@
-"""Points of a sweep: what is asked of a worker, and what it answers."""
+"""Points of a sweep: the tasks of workers, and their answers."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ class Setting:
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a sweep. `place` is where it stands on the axes, in the FMUs' units.
+    """One run of a sweep. `place` are its coordinates on the axes, in the FMUs' units.
 
-    `key` digests the resolved scenario, the FMU files and Resilin's version: a result under it
-    is the result of this very run.
+    `key` digests the resolved scenario, the FMU files and Resilin's version: a result with the
+    same key is the result of the same run.
     """
 
     setting: Setting
@@ -47,7 +47,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Record:
-    """What became of a point: `done` with its metrics (name, value, unit), or `failed`."""
+    """The result of a point: `done` with its metrics (name, value, unit), or `failed`."""
 
     status: str
     reason: str = ""
@@ -62,7 +62,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Coordinate:
-    """What the points' place on one axis means: name, unit, and whether it is a number."""
+    """What a place on one axis means: name, unit, and whether it is a number."""
 
     name: str
     unit: str
@@ -73,7 +73,7 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Grid:
-    """All points of the axes' product, checked; the plan of the first one speaks for all."""
+    """All points of the axes' product, checked; `plan` is that of the first one."""
 
     setting: Setting
     plan: Plan
@@ -82,7 +82,7 @@ class Grid:
 
 
 def planned(setting: Setting, axes: Sequence[Axis], check: Callable[[], None]) -> Grid:
-    """Load the plan of every point; `ScenarioError` with all their problems, each told once."""
+    """Load the plan of every point; `ScenarioError` with all their problems, each once."""
     problems: dict[str, None] = {}
     points: list[Point] = []
     first: Plan | None = None
@@ -152,13 +152,12 @@ def _coordinate(plan: Plan, name: str) -> Coordinate:
 
 
 def calculate(point: Point) -> dict[str, Any]:
-    """Run one point: the task of a worker. What goes wrong with the run is in the answer.
+    """Run one point: the task of a worker. The reason of a failure is in the answer.
 
-    `unfit` in the answer says that the worker could not take up this very point: it lacks
-    files, or has others than the sweep was planned with.
+    `unfit` in the answer is why the worker could not run this point: it lacks files, or has others
+    than those that the sweep was planned with.
     """
     from ...results.metrics import metrics
-    from ...results.netcdf import dataset
     from ...simulation.run import run
 
     def work() -> dict[str, Any]:
@@ -168,7 +167,7 @@ def calculate(point: Point) -> dict[str, Any]:
         outcome = run(plan, estimate=False)
         if outcome.failure is not None:
             raise RunFailed(str(outcome.failure), outcome.steps)
-        found = metrics(dataset(outcome), plan.scenario.metrics.cycles)
+        found = metrics(outcome)
         return {
             "metrics": [[metric.name, metric.value, metric.unit] for metric in found],
             "steps": outcome.steps,
@@ -178,7 +177,7 @@ def calculate(point: Point) -> dict[str, Any]:
 
 
 def _difference(point: Point, plan: Plan) -> str:
-    """How what a worker has differs from what the point was planned with; or nothing."""
+    """How a worker's files differ from those that the point was planned with; empty if not."""
     key, release = _identity(plan)
     if release != point.release:
         return f"has resilin {release}, the sweep is of {point.release}; install the same"

@@ -1,7 +1,7 @@
-"""A scenario over ranges of its start values: one run a point, on as many processes as there are.
+"""A scenario over ranges of its start values: one run for each point, on worker processes.
 
-Each finished point is on disk at once, in `TARGET.points`, so that a sweep that was stopped or
-killed goes on where it was. At the end all points stand in one labelled netCDF file.
+Each finished point is written to disk at once, in `TARGET.points`, so that a sweep that was stopped
+or killed goes on where it was. At the end all points are in one labelled netCDF file.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Check = Callable[[], None]
 
 def sweep(
     scenario: str | Path,
-    axes: Sequence[Axis],
+    axes: Sequence[Axis | str],
     library: Path = LIBRARY,
     target: Path = Path("results") / "sweep.nc",
     *,
@@ -48,43 +48,45 @@ def sweep(
 ) -> xarray.Dataset:
     """Run a scenario at every point of the axes' product; its metrics over dimension `point`.
 
+    An axis may be a text, as :func:`~orchestrator.studies.sweep.axes.parse_axis` reads it.
     `changes` and `options` hold for all points, as for :func:`orchestrator.simulation.load.load`.
     Points run on `workers` processes here, as many as processors by default, or on those of a
-    dask `scheduler`. A run that stops, kills its worker twice or takes longer than `patience`
-    seconds is `failed`, with its reason; it costs no other point. With `refine`, the name of a
+    dask `scheduler`. A run that stops, ends its worker twice or takes longer than `patience`
+    seconds is `failed`, with its reason; no other point fails with it. With `refine`, the name of a
     metric, the gaps beside its largest value on the one axis are bisected down to 1/8 of the
     grid's, or until the top of the parabola through the peak changes by less than 1e-3.
 
     The result is written to `target`. A sweep that is interrupted, or loses its scheduler, leaves
     `TARGET.partial.nc` with `missing` points, and goes on from `TARGET.points` the next time:
-    points of another scenario, FMU or version of Resilin are not taken over. `keep` leaves that
+    points of another scenario, FMU or version of Resilin are not reused. `keep` leaves that
     folder after a whole sweep. Raises `InputError` with all problems before anything runs.
     """
     from ...results.netcdf import clear, prepare
 
     common = dict(changes or {})
-    check_axes(axes, common)
+    parsed = [parse_axis(axis) if isinstance(axis, str) else axis for axis in axes]
+    check_axes(parsed, common)
     _check_numbers(workers, patience)
     if refine is not None:
-        _check_line(axes)
+        _check_line(parsed)
     check: Check = interrupt.check if interrupt is not None else _nothing
     setting = Setting(_place_of(scenario), str(library.absolute()), common, dict(options or {}))
-    grid = planned(setting, axes, check)
+    grid = planned(setting, parsed, check)
     if refine is not None and not grid.coordinates[0].numeric:
-        raise InputError(f"refine: {axes[0].name} takes texts, and there is nothing between them")
+        raise InputError(f"refine: {parsed[0].name} takes texts, and there is nothing between them")
     prepare(target)
     with (
         Checkpoint(target) as folder,
         WorkerPool(calculate, workers, scheduler, patience) as pool,
-        _bar(bool(progress)) as told,
+        _bar(bool(progress)) as show,
     ):
         clear(target)
-        study = _Study(grid, folder, pool, refine, check, told)
+        study = _Study(grid, folder, pool, refine, check, show)
         return study.carried_out(target, keep)
 
 
 class _Study:
-    """The points of one sweep and what is known of them so far."""
+    """The points of one sweep and their records so far."""
 
     def __init__(
         self,
@@ -93,20 +95,20 @@ class _Study:
         pool: WorkerPool[Point],
         refine: str | None,
         check: Check,
-        told: Callable[[int, int], None],
+        show: Callable[[int, int], None],
     ) -> None:
         self._grid = grid
         self._folder = folder
-        self._crew = pool
+        self._pool = pool
         self._refine = refine
         self._check = check
-        self._told = told
+        self._show = show
         self._points = list(grid.points)
         self._records: dict[str, Record] = {}
         self._peak: Peak | None = None
 
     def carried_out(self, target: Path, keep: bool) -> xarray.Dataset:
-        """Run what is not known yet, refine, and write all of it to one file."""
+        """Run the points without a record, refine, and write all points to one file."""
         try:
             self._run(self._points)
             if self._refine is not None:
@@ -123,19 +125,19 @@ class _Study:
         return data
 
     def _run(self, points: Sequence[Point]) -> None:
-        """Have a record of every point: from an earlier sweep, or from a worker."""
+        """Get a record of every point: from an earlier sweep, or from a worker."""
         known = {point.key: self._folder.read(point) for point in points}
         self._records |= {key: record for key, record in known.items() if record is not None}
-        self._told(len(self._records), len(self._points))
+        self._show(len(self._records), len(self._points))
         waiting = [point for point in points if known[point.key] is None]
-        for point, answer in self._crew.answers(waiting, self._check):
+        for point, answer in self._pool.answers(waiting, self._check):
             record = _record(answer)
             self._folder.write(point, record)
             self._records[point.key] = record
-            self._told(len(self._records), len(self._points))
+            self._show(len(self._records), len(self._points))
 
     def _find_peak(self, metric: str) -> None:
-        """Add points beside the largest value of a metric, until they tell nothing new."""
+        """Add points beside the largest value of a metric, until they change it no more."""
         axis = self._grid.coordinates[0]
         self._check_known(metric)
         finest = FINEST * spacing(self._values(metric))
@@ -183,13 +185,13 @@ class _Study:
         return data
 
     def _keep(self, target: Path, reason: str) -> None:
-        """Write what there is; where that fails too, the points are in their folder."""
+        """Write the points so far; where that fails too, they are still in their folder."""
         if self._records:
             with suppress(OutputError):
                 self._written(target, reason)
 
     def _kept(self) -> str:
-        """What an error says of the points that are on disk."""
+        """The end of an error message, about the points that are on disk."""
         if not self._records:
             return ""
         return (
@@ -212,13 +214,15 @@ def _place_of(scenario: str | Path) -> str:
 
 def _check_numbers(workers: int | None, patience: float | None) -> None:
     if workers is not None and workers < 1:
-        raise InputError(f"workers: {workers} cannot do anything; give at least 1")
+        raise InputError(f"workers: {workers} cannot run anything; give at least 1")
     if patience is not None and not patience > 0.0:
-        raise InputError(f"patience: {patience:g} s is no time; give more, or leave it out")
+        raise InputError(
+            f"patience: {patience:g} s has to be above zero; give more, or leave it out"
+        )
 
 
 def _check_line(axes: Sequence[Axis]) -> None:
-    """Refuse to look for a peak where there is no line of points to have one."""
+    """Refuse to look for a peak unless there is one axis of at least three points."""
     if len(axes) != 1:
         raise InputError("refine: takes a sweep over one axis; sweep the others one by one")
     if len(axes[0].values) < 3:
@@ -226,12 +230,12 @@ def _check_line(axes: Sequence[Axis]) -> None:
 
 
 def _nothing() -> None:
-    """No interrupts to look for."""
+    """Check for no interrupts."""
 
 
 @contextmanager
 def _bar(show: bool) -> Iterator[Callable[[int, int], None]]:
-    """A bar on the terminal that is told points done and points in all."""
+    """A bar on the terminal, as a function of the points done and the points in all."""
     if not show:
         yield lambda done, total: None
         return

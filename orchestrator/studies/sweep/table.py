@@ -1,4 +1,4 @@
-"""A sweep's dataset as rows: its axes, its metrics, and what became of each point."""
+"""A sweep's dataset as rows: axes, metrics, and the status of each point."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def facts(data: xarray.Dataset) -> list[dict[str, Any]]:
 
 
 def table(data: xarray.Dataset) -> Table:
-    """Axes and metrics side by side; a point that failed shows why."""
+    """Axes and metrics side by side; the reason in place of metrics where a point failed."""
     from rich.table import Table
 
     axes = [str(name) for name in data.coords if data[name].dims == ("point",)]

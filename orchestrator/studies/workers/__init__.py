@@ -1,1 +1,1 @@
-"""Processes that carry the runs of a study."""
+"""Worker processes that carry out the runs of a study."""

@@ -1,4 +1,4 @@
-"""Worker processes of dask.distributed: started here on loopback, or found at an address."""
+"""Worker processes of dask.distributed: started here on loopback, or reached at an address."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from typing import Any
 from ...errors import InputError, SimulationError, printable
 
 Client = Any
-"""A `distributed.Client`, which says nothing of its types."""
+"""A `distributed.Client`, which has no type annotations."""
 
 HOST = "127.0.0.1"
 CONNECTING = 10.0
-"""Seconds that a scheduler gets to answer."""
+"""Seconds within which a scheduler has to answer."""
 
 SETTINGS: dict[str, Any] = {
     "distributed.scheduler.allowed-failures": 0,
@@ -37,10 +37,11 @@ SETTINGS: dict[str, Any] = {
     "distributed.worker.memory.pause": False,
     "distributed.deploy.lost-worker-timeout": 1e9,
 }
-"""A task that loses its worker comes back at once; a worker that is busy or large is let be.
+"""A task whose worker ends fails at once; a worker that is busy or large is left alone.
 
-A `LocalCluster` would close the nanny of a worker that is not there some seconds after it died,
-be it that it starts slowly or that it has died again: its nanny has it started anew for good.
+By default a `LocalCluster` closes the nanny of a worker that is not there some seconds after its
+process has ended, also where the next one starts slowly or has ended again. With the last setting
+nannies always start another process.
 """
 
 PRELOADED = [
@@ -49,11 +50,11 @@ PRELOADED = [
     "orchestrator.results.metrics",
     "xarray",
 ]
-"""What a worker imports before it reports for work, so that no point waits for it."""
+"""Modules that a worker imports before it registers, so that no point waits for them."""
 
 LOGGERS = ("distributed", "distributed.client", "tornado.application")
 IN_TERMINAL = {"SIGINT", "SIGHUP"}
-"""Signals that a terminal sends to workers too, where they are for the sweep alone."""
+"""Signals that a terminal sends to workers too, although they are meant for the sweep alone."""
 
 
 @contextlib.contextmanager
@@ -61,7 +62,7 @@ def local(count: int) -> Iterator[Client]:
     """A client of `count` worker processes of one thread each, on loopback, without dashboard.
 
     They leave nothing behind: their temporary files share one folder, and at the end they are
-    killed, so that no FMU's library takes down an interpreter.
+    killed, so that no FMU's library is unloaded, which may crash an interpreter.
     """
     import dask
 
@@ -87,8 +88,8 @@ def local(count: int) -> Iterator[Client]:
                 )
         except (OSError, RuntimeError) as error:
             raise SimulationError(
-                f"no worker processes can be started: {error} A script that sweeps is a file, and"
-                " does so below `if __name__ == '__main__':`"
+                f"no worker processes can be started: {error} A script that sweeps has to be a"
+                " file, and has to call sweep below `if __name__ == '__main__':`"
             ) from None
         stack.callback(_close, cluster)
         client = stack.enter_context(distributed.Client(cluster, set_as_default=False))
@@ -103,14 +104,14 @@ def remote(address: str) -> Iterator[Client]:
     with contextlib.ExitStack() as stack:
         stack.enter_context(_quiet())
         try:
-            with ThreadPoolExecutor(1) as beside:  # there may be an event loop here, as in Jupyter
+            with ThreadPoolExecutor(1) as beside:  # an event loop may run here, as in Jupyter
                 beside.submit(asyncio.run, _answers(address)).result()
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # other versions of packages: results tell
+                warnings.simplefilter("ignore")  # other versions of packages
                 client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(
-                f"scheduler {printable(address)!r}: no answer ({_said(error)}); start one with"
+                f"scheduler {printable(address)!r}: no answer ({_reason(error)}); start one with"
                 " `dask scheduler`, write it as tcp://host:8786, or leave it out to work on this"
                 " machine"
             ) from None
@@ -119,7 +120,7 @@ def remote(address: str) -> Iterator[Client]:
 
 
 async def _answers(address: str) -> None:
-    """Ask a scheduler who it is: a client would wait for ever for one that says nothing."""
+    """Ask a scheduler for its identity: a client waits for ever for one that does not answer."""
     distributed = _distributed()
     secured = distributed.Security().get_connection_args("client")
     scheduler = distributed.rpc(address, connection_args=secured)
@@ -129,27 +130,27 @@ async def _answers(address: str) -> None:
         await scheduler.close_rpc()
 
 
-def _said(error: Exception) -> str:
+def _reason(error: Exception) -> str:
     return printable(str(error)) or f"nothing within {CONNECTING:g} s"
 
 
 def _distributed() -> Any:
-    """The package, imported when it is needed: it takes as long as all the others."""
+    """The package, imported on demand: its import takes as long as that of all others."""
     import distributed
 
     return distributed
 
 
 def nannies(client: Client) -> set[str]:
-    """Addresses of the nannies of the workers that are there; a worker may have none."""
+    """Addresses of the nannies of the registered workers; a worker may have none."""
     workers = client.scheduler_info(n_workers=-1)["workers"].values()
     return {worker["nanny"] for worker in workers if worker.get("nanny")}
 
 
 def starting(client: Client, addresses: Iterable[str]) -> dict[str, int | None]:
-    """The process that each nanny starts just now, by the address of the nanny.
+    """The process that each nanny is starting, by the address of the nanny.
 
-    `None` where a nanny is between two processes; a nanny that does not answer is not in it.
+    `None` where a nanny is between two processes; a nanny that does not answer is left out.
     """
     found: dict[str, int | None] = client.sync(_starting, list(addresses))
     return found
@@ -173,19 +174,19 @@ async def _starting(addresses: list[str]) -> dict[str, int | None]:
 
 
 def _process(dask_worker: Any) -> int | None:
-    """The worker process of a nanny; runs in the nanny."""
+    """Process of a nanny's worker; runs in the nanny."""
     process: int | None = dask_worker.pid
     return process
 
 
 def end(client: Client, address: str) -> None:
-    """Kill a worker process by way of its nanny, which starts another; without one, nothing."""
+    """Kill a worker process through its nanny, which starts another; does nothing without one."""
     with contextlib.suppress(Exception):
         client.run(_kill, nanny=True, workers=[address])
 
 
 def _close(cluster: Any) -> None:
-    """Close a cluster whose workers are killed; how long they take to go is nobody's concern."""
+    """Close a cluster whose workers are killed, whether or not they end within its timeout."""
     with contextlib.suppress(OSError, TimeoutError, RuntimeError):
         cluster.close()
 
@@ -196,7 +197,7 @@ def _end_all(client: Client) -> None:
 
 
 def _kill(dask_worker: Any) -> None:
-    """End the worker process of a nanny; runs in the nanny."""
+    """Kill the worker process of a nanny; runs in the nanny."""
     if dask_worker.pid is not None:
         os.kill(dask_worker.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
 
@@ -208,7 +209,7 @@ def _kill_for_good(dask_worker: Any) -> None:
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Nothing on standard error from the machinery: what matters is told as errors."""
+    """Keep dask's logs off standard error: what matters is raised as errors."""
     _distributed()  # sets the levels that are put back
     loggers = [logging.getLogger(name) for name in LOGGERS]
     levels = [logger.level for logger in loggers]
@@ -223,7 +224,7 @@ def _quiet() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _same_environment() -> Iterator[None]:
-    """Undo what starting workers sets in this process's environment."""
+    """Restore this process's environment, which starting workers changes."""
     before = dict(os.environ)
     try:
         yield
@@ -235,7 +236,7 @@ def _same_environment() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _signals_kept_from_children() -> Iterator[None]:
-    """Block Ctrl-C while threads start: they and the processes they start never see it."""
+    """Block Ctrl-C while threads start: they and the processes they start never get it."""
     if sys.platform == "win32":
         yield
         return

@@ -1,4 +1,4 @@
-"""Pieces of work handed to workers one by one, so that a sick one costs itself and no other."""
+"""The worker pool: points are given to workers one by one, so that one that fails fails alone."""
 
 from __future__ import annotations
 
@@ -17,34 +17,37 @@ from .dask_cluster import Client
 
 Answer = dict[str, Any]
 Item = TypeVar("Item")
-"""A piece of work: the point of a sweep, a case of a stability study."""
+"""A point: of a sweep, or a case of a stability study."""
 
 TICK = 0.1
-"""Seconds after which interrupts, hung points and lost workers are looked for again."""
+"""Seconds after which interrupts, hung points and ended workers are looked for again."""
 
 LOOK = 1.0
-"""Seconds after which it is looked again for workers that are being started."""
+"""Seconds after which workers that are being started are looked for again."""
 
 DESERTED = 60
-"""Looks without any worker, or a nanny that starts one, after which a sweep gives up."""
+"""Looks without any worker, or a nanny that starts one, after which the pool gives up."""
 
 STARTS = 5
-"""Processes of one nanny that may end one after the other before they report for work."""
+"""Processes of one nanny that may end one after the other before they register."""
 
 RECYCLED = 2000
-"""Points after which a worker is replaced: each instance leaves some kilobytes behind."""
+"""Points after which a worker is replaced: each instance leaks some kilobytes."""
 
 
 @dataclass(frozen=True)
 class Failed:
-    """A point without an answer; `again` where its worker died, which may be another's fault."""
+    """A point without an answer; `again` where its worker process ended.
+
+    Such a point is tried once more: another point in the same process may have been the cause.
+    """
 
     reason: str
     again: bool
 
 
 @dataclass(frozen=True)
-class _InFlight(Generic[Item]):
+class _Running(Generic[Item]):
     point: Item
     future: Any
     begun: float
@@ -52,10 +55,10 @@ class _InFlight(Generic[Item]):
 
 
 class WorkerPool(Generic[Item]):
-    """Workers that take one point at a time each; started when the first point is asked for.
+    """Workers that run one point at a time each; they are started with the first point.
 
-    A worker that dies has its point tried once more while nothing else runs; a point over
-    `patience` seconds has its worker killed.
+    Where a worker process ends, its point is tried once more while nothing else runs; the worker
+    of a point that takes longer than `patience` seconds is killed.
     """
 
     def __init__(
@@ -71,7 +74,7 @@ class WorkerPool(Generic[Item]):
         self._patience = math.inf if patience is None else patience
         self._stack = contextlib.ExitStack()
         self._client: Client | None = None
-        self._flights: dict[str, _InFlight[Item]] = {}
+        self._running: dict[str, _Running[Item]] = {}
         self._leaving: set[str] = set()
         self._done: Counter[str] = Counter()
         self._wake = threading.Event()
@@ -85,32 +88,32 @@ class WorkerPool(Generic[Item]):
         return self
 
     def __exit__(self, *_: object) -> None:
-        for address in list(self._flights):
+        for address in list(self._running):
             self._drop(address)
         self._stack.close()
 
     def answers(
         self, points: Iterable[Item], check: Callable[[], None]
     ) -> Iterator[tuple[Item, Answer | Failed]]:
-        """What became of each point, as it becomes known; `check` may raise at any tick.
+        """The answer of each point, as soon as it is known; `check` may raise at any tick.
 
-        `InputError` where a worker cannot take up points at all, `SimulationError` where there
-        is nobody left to give them to.
+        `InputError` where a worker cannot run points at all, `SimulationError` where no worker
+        is left.
         """
         waiting = deque(points)
         alone: deque[Item] = deque()
         client = self._opened(len(waiting)) if waiting else None
-        while client is not None and (waiting or alone or self._flights):
+        while client is not None and (waiting or alone or self._running):
             check()
             here = self._here(client)
-            landed = []
-            for flight, answer in list(self._landed(here, client)):
-                if isinstance(answer, Failed) and answer.again and not flight.last:
-                    alone.append(flight.point)
+            finished = []
+            for running, answer in list(self._finished(here, client)):
+                if isinstance(answer, Failed) and answer.again and not running.last:
+                    alone.append(running.point)
                 else:
-                    landed.append((flight.point, answer))
+                    finished.append((running.point, answer))
             self._send(client, here, waiting, alone)
-            yield from landed
+            yield from finished
             self._wake.wait(TICK)
             self._wake.clear()
 
@@ -126,7 +129,7 @@ class WorkerPool(Generic[Item]):
         return self._client
 
     def _here(self, client: Client) -> list[str]:
-        """Addresses of the workers that are there; `SimulationError` where nobody knows."""
+        """Addresses of the registered workers; `SimulationError` where the scheduler is gone."""
         try:
             if client.status != "running":
                 raise OSError("connection lost")
@@ -148,8 +151,8 @@ class WorkerPool(Generic[Item]):
     def _await_start(self, client: Client) -> None:
         """Wait on while a worker is being started, however slowly; `SimulationError` otherwise.
 
-        A nanny tells which process it starts: one that lives is waited for, those that end
-        before they report are counted.
+        Nannies report which process they start: one that runs is waited for, those that end
+        before they register are counted.
         """
         if monotonic() < self._look:
             return
@@ -160,12 +163,12 @@ class WorkerPool(Generic[Item]):
         if len(self._begun) > STARTS * len(self._nannies):
             raise SimulationError(
                 f"{len(self._begun)} worker processes ended one after the other before they could"
-                " take up points: out of memory, or a package that cannot be loaded"
+                " run points: out of memory, or a package that cannot be loaded"
             )
         if self._looks > DESERTED:
             raise SimulationError(
                 f"no worker has been there for {DESERTED * LOOK:g} s, and none is being started;"
-                " start some"
+                " start workers for this scheduler"
             )
 
     def _send(
@@ -173,13 +176,13 @@ class WorkerPool(Generic[Item]):
     ) -> None:
         """Give points to free workers; those that are to run alone when all else is done."""
         for address in here:
-            if address in self._flights or address in self._leaving:
+            if address in self._running or address in self._leaving:
                 continue
             if self._done[address] >= RECYCLED:
                 self._dismiss(client, address)
             elif waiting:
                 self._launch(client, address, waiting.popleft(), last=False)
-            elif alone and not self._flights:
+            elif alone and not self._running:
                 self._launch(client, address, alone.popleft(), last=True)
 
     def _launch(self, client: Client, address: str, point: Item, *, last: bool) -> None:
@@ -187,18 +190,18 @@ class WorkerPool(Generic[Item]):
             self._task, point, workers=[address], pure=False, retries=0, allow_other_workers=False
         )
         future.add_done_callback(lambda _: self._wake.set())
-        self._flights[address] = _InFlight(point, future, monotonic(), last)
+        self._running[address] = _Running(point, future, monotonic(), last)
 
-    def _landed(
+    def _finished(
         self, here: list[str], client: Client
-    ) -> Iterator[tuple[_InFlight[Item], Answer | Failed]]:
-        """Flights that are over, whichever way."""
-        for address, flight in list(self._flights.items()):
-            spent = monotonic() - flight.begun
-            if flight.future.done():
-                answer = self._read(client, flight.future, address)
+    ) -> Iterator[tuple[_Running[Item], Answer | Failed]]:
+        """Points that no longer run, with their answer or why there is none."""
+        for address, running in list(self._running.items()):
+            spent = monotonic() - running.begun
+            if running.future.done():
+                answer = self._read(client, running.future, address)
             elif address not in here:
-                answer = _died()
+                answer = _ended()
             elif spent > self._patience:
                 answer = Failed(
                     f"no answer within {self._patience:g} s; its worker was ended", False
@@ -209,22 +212,22 @@ class WorkerPool(Generic[Item]):
             self._done[address] += 1
             if isinstance(answer, Failed) and not answer.again:
                 self._dismiss(client, address)
-            yield flight, answer
+            yield running, answer
 
     def _read(self, client: Client, future: Any, address: str) -> Answer | Failed:
-        """A finished task's answer; `InputError` where the worker was not fit for it."""
+        """A finished task's answer; `InputError` where the worker could not run it."""
         from distributed import KilledWorker
 
         try:
             answer: Answer = future.result(timeout=dask_cluster.CONNECTING)
         except (KilledWorker, TimeoutError):
-            return _died()
+            return _ended()
         except Exception as error:
             if future.status == "cancelled":
                 self._here(client)
-                return _died()
+                return _ended()
             raise InputError(
-                f"worker {address} cannot take up points ({type(error).__name__}: {error});"
+                f"worker {address} cannot run points ({type(error).__name__}: {error});"
                 " install the same version of resilin there"
             ) from None
         if "unfit" in answer:
@@ -235,16 +238,16 @@ class WorkerPool(Generic[Item]):
         return answer
 
     def _drop(self, address: str) -> None:
-        flight = self._flights.pop(address)
+        running = self._running.pop(address)
         with contextlib.suppress(Exception):
-            flight.future.cancel()
+            running.future.cancel()
 
     def _dismiss(self, client: Client, address: str) -> None:
-        """Have a worker replaced; nothing is given to it any more."""
+        """Replace a worker; it is given no more points."""
         self._leaving.add(address)
         self._done.pop(address, None)
         dask_cluster.end(client, address)
 
 
-def _died() -> Failed:
-    return Failed("its worker process died twice: a crash, or out of memory", again=True)
+def _ended() -> Failed:
+    return Failed("its worker process ended twice: a crash, or out of memory", again=True)

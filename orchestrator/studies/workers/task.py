@@ -1,4 +1,4 @@
-"""What a worker does with a task: an answer whatever becomes of the run."""
+"""A worker's answer to a task: there is one whether the run succeeds or fails."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from ...errors import InputError, SimulationError, printable
 
 LONGEST = 900
-"""Characters of a reason that an answer carries."""
+"""Characters of a reason in an answer, at most."""
 
 
 class RunFailed(Exception):
@@ -21,10 +21,10 @@ class RunFailed(Exception):
 
 
 def answered(work: Callable[[], Mapping[str, Any]], empty: Mapping[str, Any]) -> dict[str, Any]:
-    """What `work` returns, marked `done`, with the time that it took.
+    """The result of `work`, marked `done`, with the time that it took.
 
     Where the run fails: `failed` with the reason, and the `empty` fields in place of results.
-    Input that this worker cannot use is `unfit` and its reason: another worker may be able to.
+    Input that this worker cannot use gives `unfit` with the reason: another worker may be able to.
     """
     begun = perf_counter()
     steps = 0

@@ -62,7 +62,7 @@ def test_a_step_before_initialisation_is_discarded(library: Library) -> None:
     assert library.call(unit, "DoStep", DOUBLE(0.0), DOUBLE(1e-4), 1) == DISCARD
     status, category, words = library.messages[-1]
     assert (status, category) == (ERROR, "logStatusError")
-    assert words == "unit: step at t = 0 s: the unit is not initialised"
+    assert words == "unit: step at t = 0 s: the instance is not initialised"
     library.free(unit)
 
 

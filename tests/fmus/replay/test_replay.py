@@ -143,7 +143,7 @@ def test_where_the_record_ends_the_run_stops(
 
 
 def test_a_replay_takes_the_place_of_a_part(library: Path, tmp_path: Path) -> None:
-    """Wires into the amplifier, its holds and its records are let go of, as with a file."""
+    """Wires into the amplifier, its holds and its records are dropped, as with a file."""
     scenario = tmp_path / "scenario.toml"
     scenario.write_text('extends = "oscillator-1"\n[components.amplifier]\nfmu = "replay"\n')
     plan = load(scenario, None, library, time={"stop": "20 cycles"})
@@ -216,7 +216,7 @@ def test_what_is_too_long_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_large_table_is_in_the_library_itself(tmp_path: Path) -> None:
-    """Above a megabyte numba would leave an address of the process that compiled it."""
+    """40 000 rows: they are compiled in, and another process plays them."""
     path = tmp_path / "large.csv"
     t = np.arange(40_000) * 1e-3
     np.savetxt(path, np.column_stack([t, np.sin(t)]), delimiter=",", header="time,y", comments="")

@@ -19,7 +19,7 @@ from tests.processes import python
 runner = CliRunner()
 
 
-def test_run_writes_result_picture_and_table(library: Path, tmp_path: Path) -> None:
+def test_run_writes_result_plot_and_table(library: Path, tmp_path: Path) -> None:
     target = tmp_path / "out" / "flap.nc"
     done = runner.invoke(
         app,
@@ -51,7 +51,7 @@ def test_a_failed_run_leaves_a_partial_file_only(library: Path, tmp_path: Path) 
     assert sorted(p.name for p in tmp_path.iterdir()) == ["flap.partial.nc"]
 
 
-def test_scenes_are_listed() -> None:
+def test_scenarios_are_listed() -> None:
     done = runner.invoke(app, ["scenarios"])
     assert done.exit_code == 0
     assert "flapping-full-wings" in done.output
@@ -126,7 +126,7 @@ def test_plot_draws_what_matches(library: Path, tmp_path: Path) -> None:
 
 
 def test_schema_accepts_every_shipped_scenario() -> None:
-    """The schema is for editors, so it has to fit the scenarios that there are."""
+    """The schema is for editors, so every shipped scenario must fit it."""
     schema = json.loads(runner.invoke(app, ["schema"]).stdout)
     for name in scenario_names():
         tree = tomllib.loads(scenario_path(name).read_text(encoding="utf-8"))

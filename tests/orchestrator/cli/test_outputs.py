@@ -1,4 +1,4 @@
-"""What a run writes and prints, whatever names, streams and folders it is given."""
+"""Results and printed lines of a run, for any names, streams and folders."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_good_scenario_runs_and_leaves_nothing(desk: Path, library: Path) -> Non
     assert list(Path(tempfile.gettempdir()).iterdir()) == []
 
 
-def test_no_place_for_temporary_files_is_told(
+def test_no_place_for_temporary_files_is_refused(
     desk: Path, library: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tempfile, "tempdir", "/proc")
@@ -36,7 +36,7 @@ def test_no_place_for_temporary_files_is_told(
     assert "TMPDIR" in lines[0]
 
 
-def test_picture_that_cannot_be_drawn_keeps_the_result(desk: Path, library: Path) -> None:
+def test_plot_that_cannot_be_drawn_keeps_the_result(desk: Path, library: Path) -> None:
     (desk / "out.png").mkdir()
     code, lines, error = invoke(library, "good.toml", "--picture")
     assert isinstance(error, SystemExit), f"raw exception {error!r}"
@@ -57,7 +57,7 @@ def test_name_of_the_result_is_shown_as_it_is(name: str, desk: Path, library: Pa
 
 
 @pytest.mark.parametrize("error", [RuntimeError("NetCDF: HDF error"), OSError(28, "No space left")])
-def test_result_that_cannot_be_written_is_told(
+def test_result_that_cannot_be_written_is_refused(
     error: Exception, refuse: Refuse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """netCDF4 reports a full disk as a RuntimeError."""
@@ -73,7 +73,7 @@ def test_result_that_cannot_be_written_is_told(
 @pytest.mark.parametrize(
     "name", ["lift/drag", "n" * 400, "翼" * 200, " lift ", "1 lift", "der(x)[1]", "'a.b'"]
 )
-def test_name_that_is_none_for_netcdf_is_kept(name: str, desk: Path, library: Path) -> None:
+def test_name_that_netcdf_does_not_take_is_kept(name: str, desk: Path, library: Path) -> None:
     def text(entry: str) -> bytes:
         data = old.read(entry)
         if entry == "modelDescription.xml":

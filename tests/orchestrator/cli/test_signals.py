@@ -42,7 +42,7 @@ def test_signal_that_is_ignored_stays_ignored(number: signal.Signals) -> None:
 def test_signal_stops_a_run_and_keeps_its_rows(
     number: signal.Signals, ignored: tuple[str, ...], desk: Path, library: Path
 ) -> None:
-    """Once its instances are unpacked; what the parent ignores has no effect, and no other has."""
+    """Sent once its FMUs are unpacked; a signal that the parent ignores has no effect."""
     text = changed('"0.01 s"', '"100000 s"').replace("0.1 N", "1e-9 N")
     (desk / "long.toml").write_text(text)
     temporary = Path(tempfile.gettempdir())

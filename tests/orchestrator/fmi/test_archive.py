@@ -40,7 +40,7 @@ TEXT = b"<fmiModelDescription/>"
 
 @dataclass(frozen=True)
 class Entry:
-    """One entry of a zip file; what is not given is as it should be."""
+    """One entry of a zip file; what is not given is right."""
 
     name: bytes
     data: bytes = b"x"
@@ -87,7 +87,7 @@ def fmu(tmp_path: Path, *entries: Entry) -> Path:
 
 
 def refused(path: Path, folder: Path) -> str:
-    """Message with which every way into the archive refuses it, leaving nothing behind."""
+    """The one message with which every way into the archive refuses it and leaves no file."""
     folder.mkdir()
     ways: list[Callable[[], object]] = [
         lambda: read_interface(path),
@@ -191,7 +191,7 @@ def test_link_or_device_is_refused(kind: int, tmp_path: Path) -> None:
 )
 def test_twins_are_refused(names: tuple[bytes, ...], tmp_path: Path) -> None:
     path = fmu(tmp_path, *map(Entry, names))
-    assert "stands twice" in refused(path, tmp_path / "out")
+    assert "is duplicated" in refused(path, tmp_path / "out")
 
 
 def test_file_in_the_place_of_a_folder_is_refused(tmp_path: Path) -> None:
@@ -273,7 +273,7 @@ def test_encrypted_entry_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("names", [[], [b"readme.txt"], [b"sub/modelDescription.xml"]])
-def test_archive_without_description_is_no_fmu(names: list[bytes], tmp_path: Path) -> None:
+def test_archive_without_description_is_not_an_fmu(names: list[bytes], tmp_path: Path) -> None:
     path = zipped(tmp_path / "bad.fmu", list(map(Entry, names)))
     assert "not an FMU" in refused(path, tmp_path / "out")
 
@@ -287,7 +287,7 @@ def test_archive_without_description_is_no_fmu(names: list[bytes], tmp_path: Pat
         (b"<html>" * 1000, "6000 bytes, starting with b'<html><h'"),
     ],
 )
-def test_what_is_no_zip_is_shown(content: bytes, head: str, tmp_path: Path) -> None:
+def test_what_is_not_a_zip_is_shown(content: bytes, head: str, tmp_path: Path) -> None:
     path = tmp_path / "bad.fmu"
     path.write_bytes(content)
     assert head in refused(path, tmp_path / "out")
@@ -307,7 +307,7 @@ def test_path_that_leads_nowhere(name: str, tmp_path: Path) -> None:
         read_interface(tmp_path / name)
 
 
-def test_folder_is_no_fmu(tmp_path: Path) -> None:
+def test_folder_is_not_an_fmu(tmp_path: Path) -> None:
     with pytest.raises(FmuError, match="folder"):
         read_interface(tmp_path)
 
@@ -319,7 +319,7 @@ def test_pipe_is_refused_without_waiting(tmp_path: Path) -> None:
         read_interface(path)
 
 
-def test_full_disk_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_full_disk_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(self: Path, data: bytes) -> int:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self))
 

@@ -19,7 +19,7 @@ def copied(source: Path, target: Path, keep: Callable[[str], bool]) -> None:
             new.writestr(name, old.read(name))
 
 
-def test_file_that_is_no_zip_is_refused(refuse: Refuse, desk: Path) -> None:
+def test_file_that_is_not_a_zip_is_refused(refuse: Refuse, desk: Path) -> None:
     (desk / "own.fmu").write_bytes(b"MZ\x1b[31m not a zip")
     (desk / "bad.toml").write_text(changed(PART, 'fmu = "own.fmu"'))
     (line,) = refuse("bad.toml")
@@ -38,11 +38,11 @@ def test_fmu_for_another_platform_is_refused(refuse: Refuse, desk: Path, library
     copied(library / "payload.fmu", desk / "own.fmu", lambda name: platform not in name)
     (desk / "bad.toml").write_text(changed(PART, 'fmu = "own.fmu"'))
     (line,) = refuse("bad.toml")
-    assert f"own.fmu: no binary for {platform} (there is: " in line
+    assert f"own.fmu: no binary for {platform} (available: " in line
     assert "rebuild" in line
 
 
-def test_binary_that_is_none_is_refused(refuse: Refuse, desk: Path, library: Path) -> None:
+def test_binary_that_is_not_a_library_is_refused(refuse: Refuse, desk: Path, library: Path) -> None:
     copied(library / "payload.fmu", desk / "own.fmu", lambda name: not name.endswith(".so"))
     with zipfile.ZipFile(desk / "own.fmu", "a") as archive:
         archive.writestr(f"binaries/{platform}/payload.so", b"not a library")
@@ -52,7 +52,7 @@ def test_binary_that_is_none_is_refused(refuse: Refuse, desk: Path, library: Pat
 
 
 def test_stop_beyond_the_singularity_is_refused(desk: Path, library: Path) -> None:
-    """No single value is out of its bounds: only the unit itself can tell, when it starts."""
+    """No single value is out of its bounds: only the instance itself finds out, when it starts."""
     text = f"""
     [time]
     {TIME}

@@ -1,4 +1,4 @@
-"""Recordings in the place of parts: laws, masters, what is let go of, what stops a run."""
+"""Recordings in the place of parts: laws, masters, what is dropped, what stops a run."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def test_recorded_members_are_kept_and_clocks_are_now(tmp_path: Path) -> None:
     assert (found.begin, found.end) == (10.0, 11.0)
 
 
-def test_announced_events_come_back_with_offset_and_repetition(tmp_path: Path) -> None:
+def test_announced_events_return_with_offset_and_repetition(tmp_path: Path) -> None:
     rows = "time,y,next_event_time [s]\n0,0,0.25\n0.25,1,0.75\n0.75,0,1e30\n1,0,1e30\n"
     (tmp_path / "b.csv").write_text(rows)
     found = open_recording(Component(data="b.csv", repeat=True, offset=5.0), tmp_path / "s.toml")
@@ -140,7 +140,7 @@ def test_announced_events_come_back_with_offset_and_repetition(tmp_path: Path) -
     ]  # fmt: skip
 
 
-def test_where_the_record_ends_the_run_stops_and_says_so(library: Path, tmp_path: Path) -> None:
+def test_where_the_record_ends_the_run_stops_with_the_reason(library: Path, tmp_path: Path) -> None:
     rows = HEAD + sampled(sine, stop=0.05)
     done = run(load(scenario(tmp_path, rows), None, library))
     assert isinstance(done.failure, InstanceFailure)
@@ -152,7 +152,7 @@ def test_where_the_record_ends_the_run_stops_and_says_so(library: Path, tmp_path
 
 def test_before_the_record_the_run_does_not_start(library: Path, tmp_path: Path) -> None:
     path = scenario(tmp_path, HEAD + sampled(sine, 0.2), 'offset = "20 ms"\nbefore = "stop"')
-    with pytest.raises(InitialisationError, match=r"begins at t = 0\.02 s only; before ="):
+    with pytest.raises(InitialisationError, match=r"begins only at t = 0\.02 s; before ="):
         run(load(path, None, library))
     path = scenario(tmp_path, HEAD + "0,1\n0.2,1\n", 'offset = "20.3 ms"\nbefore = "zero"')
     done = run(load(path, None, library))
@@ -160,31 +160,31 @@ def test_before_the_record_the_run_does_not_start(library: Path, tmp_path: Path)
     assert velocity == pytest.approx(0.1 - 0.0203, rel=1e-12), "the step is cut where it begins"
 
 
-def test_a_saved_state_is_gone_back_to(tmp_path: Path) -> None:
+def test_a_saved_state_is_restored(tmp_path: Path) -> None:
     (tmp_path / "b.csv").write_text(HEAD + "0,0\n1,1\n")
     found = open_recording(Component(data="b.csv"), tmp_path / "s.toml")
-    unit, values = RecordingInstance("bench", found), np.zeros(1)
-    unit.connect([], np.zeros(0), [[found.interface.variables["force.value"]]], values)
-    unit.prepare({}, 0.0, 1.0, None)
-    unit.step(0.0, 0.25)
-    state = unit.save()
-    unit.step(0.25, 0.5)
-    unit.receive()
+    instance, values = RecordingInstance("bench", found), np.zeros(1)
+    instance.connect([], np.zeros(0), [[found.interface.variables["force.value"]]], values)
+    instance.prepare({}, 0.0, 1.0, None)
+    instance.step(0.0, 0.25)
+    state = instance.save()
+    instance.step(0.25, 0.5)
+    instance.receive()
     assert values[0] == pytest.approx(0.75)
-    unit.restore(state)
-    unit.receive()
+    instance.restore(state)
+    instance.receive()
     assert values[0] == pytest.approx(0.25)
-    assert (unit.steps, unit.rollbacks) == (2, 1)
+    assert (instance.steps, instance.rollbacks) == (2, 1)
     with pytest.raises(InstanceFailure, match="no parameter 'gain'"):
-        unit.set({"gain": 1.0})
-    unit.forget(state)
-    unit.close()
+        instance.set({"gain": 1.0})
+    instance.forget(state)
+    instance.close()
 
 
 @pytest.fixture(scope="module")
-def tape(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def port_recordings(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Four cycles of every part of two scenarios: SCENARIO-PART.csv and .nc."""
-    folder = tmp_path_factory.mktemp("tapes")
+    folder = tmp_path_factory.mktemp("port-recordings")
     for name, parts in CASES.items():
         for part in parts:
             done = run(
@@ -201,19 +201,19 @@ def originals(outcome: Runner) -> dict[str, Outcome]:
 
 
 WHOLE = {"payload": 1e-3, "aero": 3e-4, "spring": 1e-6, "actuator": 1e-6}
-"""Where a part's place in the order, or what it says after a step, is not what it said in it."""
+"""Parts whose recording differs by its place in the order, or by outputs read after the step."""
 BARE = {"amplifier": 5e-2, "payload": 5e-2, "aero": 5e-2, "linkage": 1e-2}
 
 
 @pytest.mark.parametrize(("name", "part"), [(n, p) for n, parts in CASES.items() for p in parts])
 @pytest.mark.parametrize("form", ["csv", "nc"])
-def test_a_part_gives_way_to_its_recording(
-    library: Path, tmp_path: Path, tape: Path, originals: dict[str, Outcome],
+def test_a_recording_replaces_its_part(
+    library: Path, tmp_path: Path, port_recordings: Path, originals: dict[str, Outcome],
     name: str, part: str, form: str,
 ) -> None:  # fmt: skip
     """Whole ports at the same points: the rest repeats. Bare values: to interpolation."""
     columns, compared, holds = CASES[name][part]
-    file = tape / f"{name}-{part}.{form}"
+    file = port_recordings / f"{name}-{part}.{form}"
     time = {"stop": "4 cycles"}
     kind = "linear" if form == "csv" else "cubic"
     done = replayed(tmp_path, name, part, file, kind, [], "", library, time=time)
@@ -223,29 +223,29 @@ def test_a_part_gives_way_to_its_recording(
         assert difference(originals[name], done, compared) < BARE[part]
 
 
-def test_a_scenario_that_replaces_one_part_lets_go_of_what_it_had(
-    library: Path, tmp_path: Path, tape: Path
+def test_what_a_recording_cannot_take_is_dropped(
+    library: Path, tmp_path: Path, port_recordings: Path
 ) -> None:
     path = tmp_path / "scenario.toml"
     path.write_text(
         f'extends = "oscillator-1"\n[components.amplifier]\n'
-        f'data = "{tape / "oscillator-1-amplifier.csv"}"\n'
+        f'data = "{port_recordings / "oscillator-1-amplifier.csv"}"\n'
         '[[actions]]\nat = "1 cycle"\nset = { "amplifier.amplitude" = "1 kV" }\n'
     )
     plan = load(path, None, library)
-    told = "\n".join(plan.dropped)
-    assert "wire spring.top -> amplifier.top: a recording has no inputs" in told
-    assert "hold amplifier.command.top: a recording has no inputs" in told
-    assert "record amplifier.supplied_energy: not in the recording" in told
-    assert "action on amplifier.amplitude at 1 cycle" in told
+    dropped = "\n".join(plan.dropped)
+    assert "wire spring.top -> amplifier.top: a recording has no inputs" in dropped
+    assert "hold amplifier.command.top: a recording has no inputs" in dropped
+    assert "record amplifier.supplied_energy: not in the recording" in dropped
+    assert "action on amplifier.amplitude at 1 cycle" in dropped
     assert plan.frequency == 51.8
     assert facts(plan)["dropped"] == plan.dropped
     assert "amplifier.top.voltage" in [f"{c}.{v.name}" for c, v in plan.records]
     shown = runner.invoke(app, ["inspect", str(path), "--fmus", str(library)])
-    assert "let go" in shown.output
+    assert "dropped" in shown.output
 
 
-def test_a_port_that_was_not_recorded_is_told_or_held(library: Path, tmp_path: Path) -> None:
+def test_a_port_that_was_not_recorded_is_reported_or_held(library: Path, tmp_path: Path) -> None:
     (tmp_path / "bench.csv").write_text("time,force.valeu [N]\n0,0\n1,1\n")
     path = tmp_path / "scenario.toml"
     text = 'extends = "oscillator-1"\n[time]\nstop = 0.1\n[components.spring]\ndata = "bench.csv"\n'
@@ -282,7 +282,7 @@ def test_a_port_that_was_not_recorded_is_told_or_held(library: Path, tmp_path: P
         (HEAD, "interpolation = 'spline'", ["components.bench.interpolation", "'spline'"]),
     ],
 )  # fmt: skip
-def test_what_does_not_fit_is_told(
+def test_what_does_not_fit_is_reported(
     library: Path, tmp_path: Path, rows: str, keys: str, words: list[str]
 ) -> None:
     with pytest.raises(ScenarioError) as caught:
@@ -306,7 +306,7 @@ def test_a_recording_stays_beside_the_scenario_that_names_it(library: Path, tmp_
     assert run(load(top, None, library)).failure is None
 
 
-def test_faults_strike_a_recording_too(library: Path, tmp_path: Path) -> None:
+def test_faults_act_on_a_recording_too(library: Path, tmp_path: Path) -> None:
     fault = '[[faults]]\nat = 0.0\non = "bench.force.value"\nkind = "bias"\nsize = "1 N"\n'
     path = scenario(tmp_path, HEAD + "0,0\n0.2,0\n")
     path.write_text(path.read_text() + fault)
@@ -314,9 +314,7 @@ def test_faults_strike_a_recording_too(library: Path, tmp_path: Path) -> None:
     assert done.series("payload.velocity")[-1] == pytest.approx(0.1, rel=0.02)
 
 
-def test_a_unit_loads_once_and_states_are_those_of_the_system(
-    library: Path, tmp_path: Path
-) -> None:
+def test_a_system_with_a_recording_saves_and_restores(library: Path, tmp_path: Path) -> None:
     with System(load(scenario(tmp_path, HEAD + sampled(sine)), None, library)) as system:
         moment = system.save()
         system.restore(moment)

@@ -85,7 +85,7 @@ def test_means_are_those_of_the_interpolant(kind: str, options: dict[str, object
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_cycle_goes_on_in_both_directions(kind: str) -> None:
+def test_a_cycle_continues_in_both_directions(kind: str) -> None:
     track = waves(kind, period=1.0)
     for t in (0.013, 0.5, 0.9876, 0.0):
         for turns in (-3, 1, 1000):
@@ -110,7 +110,7 @@ def test_a_step_looks_back_and_a_start_looks_ahead() -> None:
     assert wrapped.at(2.0)[1][0] == 1.0
 
 
-def test_outside_of_the_record() -> None:
+def test_outside_the_record() -> None:
     held = waves("linear")
     gone = fitted(TIMES, 1.0 + wave(TIMES)[:, None], "linear", before="zero", after="zero")
     assert held.at(-1.0)[0][0] == wave(0.0)

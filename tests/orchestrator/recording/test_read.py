@@ -40,7 +40,7 @@ def read(folder: Path, content: str | bytes, name: str = "bench.csv", **options:
         "t;force.value [N];\n0;1;\n0.5;2;\n1;4;\n",
     ],
 )
-def test_one_record_in_many_hands(tmp_path: Path, content: str) -> None:
+def test_one_record_in_many_formats(tmp_path: Path, content: str) -> None:
     table = read(tmp_path, content)
     assert [c.name for c in table.columns] == ["time", "force.value"]
     assert table.columns[1].unit == "N"
@@ -48,9 +48,9 @@ def test_one_record_in_many_hands(tmp_path: Path, content: str) -> None:
     np.testing.assert_allclose(table.values[:, 0], [1.0, 2.0, 4.0])
 
 
-def test_comments_are_told_and_rows_keep_their_lines(tmp_path: Path) -> None:
+def test_comments_are_kept_and_rows_keep_their_lines(tmp_path: Path) -> None:
     table = read(tmp_path, "# frequency: 18\n#\n" + GOOD)
-    assert table.said == {"frequency": "18"}
+    assert table.comments == {"frequency": "18"}
     assert table.at(0).endswith("bench.csv: line 4")
 
 
@@ -69,11 +69,11 @@ def test_columns_are_named_and_given_units_by_the_scenario(tmp_path: Path) -> No
         columns={"Zeit": "time", "F (N)": "force.value", "x": "motion.displacement"},
         units={"x": "mm"},
     )
-    told = [(c.name, c.unit) for c in table.columns]
-    assert told == [("time", ""), ("force.value", "N"), ("motion.displacement", "mm")]
+    found = [(c.name, c.unit) for c in table.columns]
+    assert found == [("time", ""), ("force.value", "N"), ("motion.displacement", "mm")]
 
 
-def test_an_index_is_no_unit() -> None:
+def test_an_index_is_not_a_unit() -> None:
     assert Heading.of("x[1]") == Heading("x[1]", "x[1]", "")
     assert Heading.of("x[1] [m]") == Heading("x[1] [m]", "x[1]", "m")
 
@@ -95,7 +95,7 @@ BAD: dict[str, tuple[str | bytes, dict[str, object], list[str]]] = {
     "rows missing": (MANY.replace("\n7,7\n", "\n"), {}, ["line 9", "rows are missing"]),
     "time missing": (GOOD + ",5\n", {}, ["line 5", "time is nan"]),
     "time falls": (GOOD + "0.7,5\n", {}, ["line 5", "comes after 1 s"]),
-    "time twice": (GOOD + "1,5\n", {}, ["line 5", "stands twice"]),
+    "time twice": (GOOD + "1,5\n", {}, ["line 5", "is duplicated"]),
     "one row": ("time,y\n0,1\n", {}, ["one row"]),
     "no row": ("time,y\n", {}, ["no row"]),
     "empty": ("", {}, ["is empty"]),
@@ -104,22 +104,22 @@ BAD: dict[str, tuple[str | bytes, dict[str, object], list[str]]] = {
     "one column": ("time\n0\n1\n", {}, ["line 1", "no comma"]),
     "ragged": (GOOD + "2,3,4\n", {}, ["line 5", "3 cells", "2"]),
     "short": (GOOD + "2\n", {}, ["line 5", "1 cells"]),
-    "text": (GOOD + "2,high\n", {}, ["line 5", "force.value", "'high' is no number"]),
-    "thousands": (GOOD.replace(",", ";") + "2;1.234,5\n", {}, ["line 5", "no number"]),
+    "text": (GOOD + "2,high\n", {}, ["line 5", "force.value", "'high' is not a number"]),
+    "thousands": (GOOD.replace(",", ";") + "2;1.234,5\n", {}, ["line 5", "not a number"]),
     "latin-1": ("time,y\n0,1\n# 5 \xb5m\n1,2\n".encode("latin-1"), {}, ["line 3", "UTF-8"]),
     "utf-16": (GOOD.encode("utf-16"), {}, ["line 1", "UTF-16"]),
-    "bytes": (b"time,y\n0,\x00\n", {}, ["line 2", "no text"]),
+    "bytes": (b"time,y\n0,\x00\n", {}, ["line 2", "not text"]),
     "heading twice": ("time,y,y\n0,1,2\n1,2,3\n", {}, ["two columns", "'y'"]),
     "no time": ("tme,y\n0,1\n1,2\n", {}, ["line 1", "no column of time", "'tme'"]),
     "misspelt": (GOOD, {"columns": {"force.valeu": "f"}}, ["did you mean 'force.value [N]'"]),
-    "no variable": (GOOD, {"columns": {"force.value": "a b"}}, ["no name of a variable"]),
+    "no variable": (GOOD, {"columns": {"force.value": "a b"}}, ["is not the name of a variable"]),
     "taken twice": (
         GOOD,
         {"columns": {"force.value": "a", "force.value [N]": "b"}},
-        ["one and the same"],
+        ["repeats the column or variable of another"],
     ),
-    "nothing named": ("time,3 x\n0,1\n1,2\n", {}, ["no column is called like a variable"]),
-    "other unit": (GOOD, {"units": {"force.value": "kN"}}, ["is in N, under units in kN"]),
+    "nothing named": ("time,3 x\n0,1\n1,2\n", {}, ["no column has the name of a variable"]),
+    "other unit": (GOOD, {"units": {"force.value": "kN"}}, ["is in N, but under units in kN"]),
     "unit of none": (GOOD, {"units": {"forse.value": "N"}}, ["did you mean 'force.value [N]'"]),
     "no unit": ("time,y [furlongs per]\n0,1\n1,2\n", {}, ["column 'y [furlongs per]'"]),
     "time in newtons": ("time [N],y\n0,1\n1,2\n", {}, ["column 'time [N]'", "not convertible"]),
@@ -129,7 +129,7 @@ BAD: dict[str, tuple[str | bytes, dict[str, object], list[str]]] = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_a_bad_record_is_told_with_its_place(tmp_path: Path, name: str) -> None:
+def test_a_bad_record_is_reported_with_its_place(tmp_path: Path, name: str) -> None:
     content, options, words = BAD[name]
     with pytest.raises(RecordingError) as caught:
         read(tmp_path, content, **options)
@@ -137,7 +137,7 @@ def test_a_bad_record_is_told_with_its_place(tmp_path: Path, name: str) -> None:
         assert word in str(caught.value)
 
 
-def test_what_is_no_file_is_told(tmp_path: Path) -> None:
+def test_what_is_not_a_file_is_reported(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"missing\.csv: no such recording"):
         read_table(tmp_path / "missing.csv", Choice())
     with pytest.raises(RecordingError, match="no such recording"):
@@ -162,7 +162,7 @@ def test_matlab_by_name_and_by_struct(tmp_path: Path) -> None:
     ("content", "words"),
     [
         (b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM", "-v7"),
-        (b"no such thing", "no MATLAB file"),
+        (b"no such thing", "read as a MATLAB file"),
         (b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + b"\x0f\0\0\0\xff\xff\0\0", "MATLAB"),
     ],
 )
@@ -197,11 +197,11 @@ def test_netcdf_of_ours_and_of_others(tmp_path: Path) -> None:
     other = xarray.Dataset({"force.value": ("time", time)}, coords={"time": time})
     other.to_netcdf(path, mode="w")
     assert [c.name for c in read_table(path, Choice()).columns[1:]] == ["force.value"]
-    with pytest.raises(RecordingError, match="no netCDF file"):
+    with pytest.raises(RecordingError, match="read as a netCDF file"):
         read(tmp_path, b"CDF nonsense", "broken.nc")
 
 
-def test_parquet_says_what_it_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_parquet_reports_what_it_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     with pytest.raises(RecordingError, match=r"needs pyarrow; pip install \"resilin\[parquet\]\""):
         read(tmp_path, b"PAR1", "bench.parquet")
@@ -214,5 +214,5 @@ def test_parquet(tmp_path: Path) -> None:
     path = tmp_path / "bench.parquet"
     parquet.write_table(pyarrow.table({"time": [0.0, 1.0], "force.value [N]": [1.0, 2.0]}), path)
     assert read_table(path, Choice()).columns[1].unit == "N"
-    with pytest.raises(RecordingError, match="no Parquet file"):
+    with pytest.raises(RecordingError, match="read as a Parquet file"):
         read(tmp_path, b"PAR1", "broken.parquet")

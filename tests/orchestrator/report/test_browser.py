@@ -12,7 +12,6 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from orchestrator.studies.paper.store import Store
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from orchestrator.report.page import write
@@ -22,6 +21,7 @@ from orchestrator.studies.paper.figure7 import figure7
 from orchestrator.studies.paper.figure13 import figure13
 from orchestrator.studies.paper.page import figures, page
 from orchestrator.studies.paper.reproduction import Reproduction
+from orchestrator.studies.run_cache import RunCache
 
 CHROMIUM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
@@ -41,8 +41,8 @@ def browser() -> Iterator[Browser]:
 @pytest.fixture(scope="module")
 def found(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Reproduction:
     """A report of a few runs with all kinds of parts: tables, plots, the animation."""
-    with CachedRuns(library, Store(tmp_path_factory.mktemp("runs")), workers=1) as lab:
-        return Reproduction([figure7(lab), figure13(lab), flight(lab)], 0, 0.0)
+    with CachedRuns(library, RunCache(tmp_path_factory.mktemp("runs")), workers=1) as runs:
+        return Reproduction([figure7(runs), figure13(runs), flight(runs)], 0, 0.0)
 
 
 @pytest.fixture(scope="module")
@@ -52,24 +52,24 @@ def report(found: Reproduction, library: Path, tmp_path_factory: pytest.TempPath
 
 @pytest.fixture
 def opened(browser: Browser, report: Path) -> Iterator[Page]:
-    """The report at rest, with whatever went wrong or was asked for on `page.told`."""
+    """The report at rest; in the end its only event has been the request of its file."""
     context = browser.new_context(viewport={"width": 1600, "height": 1000})
     made = context.new_page()
-    told = watched(made)
+    events = watched(made)
     made.goto(report.as_uri())
     made.wait_for_selector(".plot .curve", state="attached")
     yield made
     context.close()
-    assert told == [report.as_uri()]
+    assert events == [report.as_uri()]
 
 
 def watched(made: Page) -> list[str]:
     """Requests, errors and messages of a page, as they come."""
-    told: list[str] = []
-    made.on("request", lambda request: told.append(request.url))
-    made.on("console", lambda message: told.append(f"console: {message.text}"))
-    made.on("pageerror", lambda error: told.append(f"error: {error}"))
-    return told
+    events: list[str] = []
+    made.on("request", lambda request: events.append(request.url))
+    made.on("console", lambda message: events.append(f"console: {message.text}"))
+    made.on("pageerror", lambda error: events.append(f"error: {error}"))
+    return events
 
 
 def test_every_plot_is_drawn(opened: Page, found: Reproduction) -> None:
@@ -164,10 +164,10 @@ def test_hostile_text_stays_text(browser: Browser, tmp_path: Path, text: str) ->
     from tests.orchestrator.report.test_page import page as hostile
 
     made = browser.new_page()
-    told = watched(made)
+    events = watched(made)
     path = write(hostile(text), tmp_path / "page.html")
     made.goto(path.as_uri())
     made.wait_for_selector(".plot .mark", state="attached")
     assert made.title() == text
     made.close()
-    assert told == [path.as_uri()]
+    assert events == [path.as_uri()]

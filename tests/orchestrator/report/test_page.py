@@ -1,4 +1,4 @@
-"""Pages: whole files that nothing in them can break out of, and that ask no network."""
+"""Pages: whole files whose texts stay text and that need no network."""
 
 from __future__ import annotations
 
@@ -82,8 +82,8 @@ def scripts(text: str) -> list[lxml.html.HtmlElement]:
     return list(root.iter("script"))
 
 
-def test_the_data_survive_as_json() -> None:
-    """What the page's script reads is what the figure holds, gaps as null."""
+def test_the_data_are_kept_as_json() -> None:
+    """The page's script reads what the figure holds, gaps as null."""
     made = rendered(page("</script>"))
     (data,) = [s for s in scripts(made) if s.get("type") == "application/json"]
     assert "<" not in (data.text or "")
@@ -150,7 +150,7 @@ def test_a_figure_is_a_file_too(tmp_path: Path) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == ["f.png", "f.svg"]
 
 
-def test_what_is_no_place_for_a_page_is_said_first(tmp_path: Path) -> None:
+def test_a_path_that_cannot_take_a_page_is_refused_first(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"name it \*\.html"):
         prepare(tmp_path / "page.txt")
     (tmp_path / "folder.html").mkdir()

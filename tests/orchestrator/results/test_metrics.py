@@ -24,7 +24,11 @@ VEHICLE = {
 
 
 def synthetic(
-    defined: dict[str, Any], frequency: float = 18.0, cycles: int = 10, per_cycle: int = 40
+    defined: dict[str, Any],
+    frequency: float = 18.0,
+    cycles: int = 10,
+    per_cycle: int = 40,
+    attribute: str = "scenario",
 ) -> xarray.Dataset:
     t = np.linspace(0.0, cycles / frequency, per_cycle * cycles + 1)
     w = 2 * np.pi * frequency
@@ -41,7 +45,7 @@ def synthetic(
     return xarray.Dataset(
         {name: ("time", values, {"units": unit}) for name, (values, unit) in columns.items()},
         coords={"time": t},
-        attrs={"frequency": frequency, "scenario": json.dumps({"metrics": defined})},
+        attrs={"frequency": frequency, attribute: json.dumps({"metrics": defined})},
     )
 
 
@@ -87,11 +91,16 @@ def test_expressions_combine_functions_numbers_and_variables(text: str, value: f
     assert found({"x": text})["x"].value == pytest.approx(value, abs=2e-3)
 
 
+def test_a_result_of_the_previous_release_gives_the_same_metrics() -> None:
+    """It carries its scenario as the attribute `scene`."""
+    assert found(VEHICLE, attribute="scene") == found(VEHICLE)
+
+
 def test_what_does_not_move_has_no_frequency() -> None:
     assert found({"f": "frequency(aero.lift)", "p": "phase(aero.lift, aero.lift)"}) == {}
 
 
-def test_a_metric_that_is_not_a_number_says_why() -> None:
+def test_a_metric_that_is_not_a_number_shows_the_reason() -> None:
     known = found({"x": "rate(aero.lift) / rate(aero.lift)", "y": "max(aero.lift)"})
     assert np.isnan(known["x"].value)
     assert "comes to nan" in known["x"].shown

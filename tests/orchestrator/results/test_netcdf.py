@@ -13,7 +13,7 @@ from orchestrator.results.netcdf import dataset, partial_path, prepare, write
 from tests.conftest import Runner
 
 
-def test_a_result_says_where_it_comes_from(outcome: Runner, tmp_path: Path) -> None:
+def test_a_result_carries_its_provenance(outcome: Runner, tmp_path: Path) -> None:
     done = outcome("flapping-full-wings", time={"stop": "3 cycles"})
     data = dataset(done)
     path = write(done, tmp_path / "run.nc")
@@ -27,7 +27,7 @@ def test_a_result_says_where_it_comes_from(outcome: Runner, tmp_path: Path) -> N
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
 
 
-def test_an_incomplete_run_stands_beside_its_place(outcome: Runner, tmp_path: Path) -> None:
+def test_an_incomplete_run_is_written_beside_its_place(outcome: Runner, tmp_path: Path) -> None:
     failed = outcome(
         "oscillator-1", {"payload.start_velocity": "9000", "spring.blocked_force": "0"}
     )
@@ -46,7 +46,7 @@ def test_only_netcdf_is_written(tmp_path: Path, name: str) -> None:
         prepare(tmp_path / name)
 
 
-def test_the_picture_is_drawn(outcome: Runner, tmp_path: Path) -> None:
+def test_the_plot_is_drawn(outcome: Runner, tmp_path: Path) -> None:
     from orchestrator.results.plot import draw
 
     data = dataset(outcome("flapping-full-wings", time={"stop": "2 cycles"}))

@@ -1,4 +1,4 @@
-"""Long runs on disk: closed pieces, a kill, one whole file at the end."""
+"""Long runs on disk: closed pieces, a killed run, one whole file at the end."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_an_estimate_reaches_into_segments(library: Path, tmp_path: Path, small:
     assert done.estimates == plain.estimates
 
 
-def test_a_damaged_segment_is_told(library: Path, tmp_path: Path, small: None) -> None:
+def test_a_damaged_segment_is_refused(library: Path, tmp_path: Path, small: None) -> None:
     plan = load("oscillator-1", None, library, time=SPAN)
     target = tmp_path / "long.nc"
     done = run(plan, segments=segments_for(plan, target))
@@ -77,7 +77,7 @@ def test_segments_of_another_run_are_not_touched(
 
 
 def test_a_killed_run_can_be_recovered(library: Path, tmp_path: Path) -> None:
-    """kill -9 in mid-run: what was closed is there, and says that it is not complete."""
+    """kill -9 in mid-run: the closed segments are there, and the file is marked as incomplete."""
     target = tmp_path / "long.nc"
     code = f"""
 from orchestrator.simulation.observers import Recorder
@@ -104,13 +104,13 @@ run(plan, segments=segments_for(plan, Path({str(target)!r})))
         assert np.all(np.diff(data["time"].values) > 0.0)
 
 
-def test_nothing_to_recover_is_told(tmp_path: Path) -> None:
+def test_nothing_to_recover_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no segments of a run here"):
         recover(tmp_path / "none.segments")
 
 
 def test_last_stretch_and_decimation(library: Path) -> None:
-    """The last two of four cycles, every third row; steps are not changed by it."""
+    """The last two of four cycles, every third row; the steps do not change."""
     record = {"last": "2 cycles", "every": 3}
     whole = run(load("oscillator-1", None, library, time={"stop": "4 cycles"}))
     plan = load("oscillator-1", None, library, time={"stop": "4 cycles"}, record=record)

@@ -47,7 +47,7 @@ def test_a_held_force_acts_between_its_times(library: Path, tmp_path: Path, kind
 def test_actions_survive_steps_that_are_taken_again(
     library: Path, tmp_path: Path, rollback: bool
 ) -> None:
-    """An adaptive run ends steps at actions, and a rejected step has not carried them out."""
+    """An adaptive run ends steps at actions; a rejected step does not carry them out."""
     foreign("MASS", tmp_path, rollback=rollback)
     scenario = tmp_path / "mass.toml"
     text = MASS.replace('"payload"', '"./mass.fmu"').replace("mass.force.value", "mass.force")
@@ -76,8 +76,8 @@ def test_a_tunable_parameter_changes_the_drive(library: Path, tmp_path: Path) ->
     assert 850.0 < voltage[half + 10 :].max() < 961.0
 
 
-def test_a_parameter_out_of_bounds_stops_the_run(library: Path, tmp_path: Path) -> None:
-    """The instance itself refuses what the scenario could not see; here the scenario is wrong."""
+def test_a_parameter_out_of_bounds_is_refused(library: Path, tmp_path: Path) -> None:
+    """A value outside the FMU's bounds is refused before anything runs."""
     scenario = tmp_path / "bad.toml"
     scenario.write_text(
         'extends = "oscillator-1"\n[time]\nstop = "4 cycles"\n'

@@ -133,7 +133,7 @@ def test_every_setting_that_a_master_does_not_take_is_named(refuse: Refuse, desk
         ("= true", '= "true"', ["hold.types.in_boolean: expected true or false, got 'true'"]),
         ("= true", "= [true]", ["hold.types.in_boolean: ", "got [True]"]),
         ('"slow"', '"slo"', ["types.in_enumeration: 'slo' is not a choice; did you mean 'slow'?"]),
-        ('"slow"', "1", ["types.in_enumeration: 1.0 is not a choice; there is fast, slow"]),
+        ('"slow"', "1", ["types.in_enumeration: 1.0 is not a choice; there are fast, slow"]),
         ('"slow"', "true", ["types.in_enumeration: True is not a choice"]),
         ('"slow"', '""', ["hold.types.in_enumeration: ", "got ''"]),
         ('integer" = 1', 'integer" = true', ["in_integer: true and false are not numbers"]),

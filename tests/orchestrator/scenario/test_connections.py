@@ -1,4 +1,4 @@
-"""Scenarios held against FMUs: ports, laws, units, time."""
+"""Scenarios checked against FMUs: ports, laws, units, time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Order of stepping from the wires, where a scenario gives none."""
+"""Execution order from the wires, where a scenario gives none."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ step = 0.1
 
 
 def scenario(folder: Path, listed: str, wires: str, held: str) -> Path:
-    """GAINs named by letters, wired as `ab` says a to b."""
+    """GAINs named by letters; `ab` is a wire from a to b."""
     foreign("GAIN", folder)
     text = CHAIN + "".join(f'[components.{name}]\nfmu = "./gain.fmu"\n' for name in listed)
     text += "".join(

@@ -78,7 +78,7 @@ def test_a_scenario_with_a_wrong_metric_is_refused(
     assert reason in str(caught.value)
 
 
-def test_a_component_left_out_takes_its_metrics_along(library: Path) -> None:
+def test_a_component_left_out_drops_its_metrics(library: Path) -> None:
     path = scenario_path("flapping-full-wings")
     tree = {
         "extends": "flapping-full-wings",

@@ -19,7 +19,7 @@ def test_every_shipped_scenario_is_well_formed(name: str) -> None:
     assert scenario.components
 
 
-def test_full_wings_differ_from_no_wing_only_as_they_say() -> None:
+def test_full_wings_differ_from_no_wing_only_as_written() -> None:
     bare, _ = load_scenario("flapping-no-wing")
     full, _ = load_scenario("flapping-full-wings")
     assert set(full.components) - set(bare.components) == {"aero"}

@@ -25,7 +25,7 @@ def faulty(library: Path, folder: Path, fault: str, kind: str = "gauss-seidel") 
 
 
 @pytest.mark.parametrize("kind", MASTERS)
-def test_a_unit_that_drops_out_stops_the_run(library: Path, tmp_path: Path, kind: str) -> None:
+def test_an_instance_that_drops_out_stops_the_run(library: Path, tmp_path: Path, kind: str) -> None:
     done = faulty(library, tmp_path, 'on = "spring"\nkind = "drop"', kind)
     assert isinstance(done.failure, InstanceFailure)
     assert str(done.failure).startswith("spring: step to t = 0.0")
@@ -33,7 +33,7 @@ def test_a_unit_that_drops_out_stops_the_run(library: Path, tmp_path: Path, kind
     assert np.isfinite(done.rows).all()
 
 
-def test_no_number_stops_the_run_where_it_is_told(library: Path, tmp_path: Path) -> None:
+def test_nan_stops_the_run_where_it_is_put_out(library: Path, tmp_path: Path) -> None:
     done = faulty(library, tmp_path, 'on = "payload.displacement"\nkind = "nan"')
     assert isinstance(done.failure, Divergence)
     assert "payload.displacement = nan m at t = 0.0579" in str(done.failure)
@@ -45,14 +45,14 @@ def test_what_is_frozen_stays_until_the_fault_ends(
 ) -> None:
     fault = 'on = "payload.displacement"\nkind = "freeze"\nuntil = "4 cycles"'
     done = faulty(library, tmp_path, fault, kind)
-    told = done.series("payload.displacement")
+    frozen = done.series("payload.displacement")
     assert done.failure is None
-    assert np.ptp(told[179:240]) == 0.0
-    assert np.ptp(told[240:]) > 0.0
+    assert np.ptp(frozen[179:240]) == 0.0
+    assert np.ptp(frozen[240:]) > 0.0
     assert np.ptp(done.series("payload.velocity")[179:240]) > 0.0
 
 
-def test_a_bias_is_added_in_the_units_of_the_output(library: Path, tmp_path: Path) -> None:
+def test_a_bias_is_added_in_the_unit_of_the_output(library: Path, tmp_path: Path) -> None:
     fault = 'on = "spring.elastic_energy"\nkind = "bias"\nsize = "1 mJ"\nuntil = "4 cycles"'
     done, sound = (
         faulty(library, tmp_path, fault),

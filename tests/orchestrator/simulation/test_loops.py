@@ -42,7 +42,7 @@ def test_loop_without_a_solution_is_refused(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The residual of z = z + 1 is small beside a large z: that is no solution."""
+    """The residual of z = z + 1 is small beside a large z, which is not a solution."""
     monkeypatch.chdir(tmp_path)
     path = ring(tmp_path, shelf("GAIN", version), gains, isolate=gains == (1.0, 1.0))
     result = CliRunner().invoke(cli.app, ["run", str(path), "--output", "out.nc"])

@@ -46,19 +46,19 @@ def test_the_option(native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.chdir(tmp_path)
     Path("build").mkdir()
     scenario = ("flapping-full-wings", "--native", "--stop", "1 cycles")
-    code, said = invoke("run", *scenario)
+    code, output = invoke("run", *scenario)
     assert code == 2
-    assert "resilin build --native" in said.replace("\n", " ")
+    assert "resilin build --native" in output.replace("\n", " ")
     Path("build/native").symlink_to(native)
-    code, said = invoke("run", *scenario, "--no-picture")
-    assert (code, "stroke" in said) == (0, True)
-    code, said = invoke("run", *scenario, "--fmus", "elsewhere")
+    code, output = invoke("run", *scenario, "--no-picture")
+    assert (code, "stroke" in output) == (0, True)
+    code, output = invoke("run", *scenario, "--fmus", "elsewhere")
     assert code == 2
-    assert "give one" in said
-    code, said = invoke(
+    assert "give one" in output
+    code, output = invoke(
         "sweep", *scenario, "--over", "amplifier.frequency=16,18", "--workers", "1", "--quiet"
     )
-    assert code == 0, said
+    assert code == 0, output
 
 
 def test_the_monolith_comes_from_the_sibling_folder(

@@ -54,7 +54,7 @@ def test_values_carry_the_time_at_which_they_hold(
 
 @pytest.mark.parametrize("name", scenario_names())
 def test_every_scenario_runs(library: Path, outcome: Runner, name: str) -> None:
-    """Three cycles of each; whole, where a scenario has no cycle."""
+    """Three cycles of each; the whole run where a scenario has no cycle."""
     cyclic = load(name, None, library).frequency is not None
     done = outcome(name, time={"stop": "3 cycles"} if cyclic else {})
     assert done.failure is None
@@ -99,7 +99,7 @@ def test_bounds_that_an_fmu_declares_are_kept(outcome: Runner) -> None:
     assert "outside -1 to 1 m" in str(done.failure)
 
 
-def test_a_unit_that_fails_ends_the_run_with_its_message(outcome: Runner) -> None:
+def test_an_instance_that_fails_ends_the_run_with_its_message(outcome: Runner) -> None:
     done = outcome(
         "oscillator-1",
         {"payload.start_velocity": "100", "spring.stiffness": "0", "amplifier.amplitude": "0"},
@@ -108,7 +108,7 @@ def test_a_unit_that_fails_ends_the_run_with_its_message(outcome: Runner) -> Non
     assert "capacitance falls to zero" in str(done.failure)
 
 
-def test_a_unit_that_refuses_its_start_is_named(outcome: Runner) -> None:
+def test_an_instance_that_refuses_its_start_is_named(outcome: Runner) -> None:
     with pytest.raises(InitialisationError, match=r"linkage: .*stop_travel reaches"):
         outcome("flapping-no-wing", {"linkage.stop_travel": "2.3 mm"})
     with pytest.raises(InitialisationError, match=r"spring: .*no capacitance left"):
@@ -121,9 +121,9 @@ def test_the_same_run_twice_is_bitwise_equal(outcome: Runner) -> None:
     assert one.rows.tobytes() == two.rows.tobytes()
 
 
-@pytest.mark.skipif(not MAPS.is_file(), reason="tells its memory maps on Linux only")
-def test_a_thousand_runs_are_no_more_than_two(outcome: Runner) -> None:
-    """Libraries stay in the process for good: of ours one copy does for all runs."""
+@pytest.mark.skipif(not MAPS.is_file(), reason="memory maps can be read on Linux only")
+def test_runs_map_no_library_twice(outcome: Runner) -> None:
+    """Libraries stay in the process for good: all runs share one copy of ours."""
 
     def mapped() -> int:
         outcome("oscillator-1", time={"stop": "0.1 cycles"})

@@ -1,4 +1,4 @@
-"""What a model description may not do to its reader, and what of it is read."""
+"""What a model description may not do to its reader, and what is read of it."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ def fmu(folder: Path, text: str | bytes) -> Path:
 
 
 def replaced(text: str, old: str, new: str) -> str:
-    """Text with one replacement, which must be there to be made."""
+    """Text with one replacement of what must be in it."""
     assert old in text
     return text.replace(old, new, 1)
 
 
 def refused(folder: Path, text: str | bytes) -> str:
-    """Message with which a description is refused."""
+    """The message that refuses a description."""
     path = fmu(folder, text)
     with pytest.raises(FmuError) as caught:
         read_interface(path)
@@ -177,7 +177,7 @@ def test_model_exchange_alone_is_refused(description: str, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("old", "new", "reasons"),
     [
-        (MASS, 'name="gravity" valueReference="8"', ["'gravity' stands twice", "line "]),
+        (MASS, 'name="gravity" valueReference="8"', ["'gravity' is duplicated", "line "]),
         (MASS, 'name="" valueReference="8"', ["empty or unprintable name", "line "]),
         (MASS, 'valueReference="8"', ["name", "line "]),
         (MASS, 'name="m\u202ess" valueReference="8"', ["'m\\u202ess'", "unprintable name"]),
@@ -263,7 +263,7 @@ def test_alias_is_a_warning(description: str, tmp_path: Path) -> None:
     assert warning.startswith("line ")
 
 
-def test_same_reference_of_another_type_is_no_alias(description: str, tmp_path: Path) -> None:
+def test_same_reference_of_another_type_is_not_an_alias(description: str, tmp_path: Path) -> None:
     extra = (
         '<ScalarVariable name="count" valueReference="8" causality="parameter"'
         ' variability="fixed" initial="exact"><Integer start="1"/></ScalarVariable>'
@@ -302,7 +302,7 @@ def test_bounds_and_unit_of_a_declared_type_hold(description: str, tmp_path: Pat
         b' modelIdentifier="a"/></fmiModelDescription>',
     ],
 )
-def test_what_is_no_description_is_refused(text: bytes, tmp_path: Path) -> None:
+def test_what_is_not_a_description_is_refused(text: bytes, tmp_path: Path) -> None:
     assert DESCRIPTION in refused(tmp_path, text) or b"CoSimulation" not in text
 
 
@@ -323,7 +323,7 @@ SIZED = """<UInt64 name="size" valueReference="90" causality="structuralParamete
 
 
 def test_size_by_a_structural_parameter_is_that_of_its_start(third: str, tmp_path: Path) -> None:
-    """Nothing changes a structural parameter: it would take a mode that no unit is given."""
+    """Nothing changes a structural parameter: that takes a mode that no instance enters."""
     text = replaced(third, '<Float64 name="in_array"', SIZED)
     text = replaced(text, SIZE, '<Dimension valueReference="90"/>')
     interface = read_interface(fmu(tmp_path, text))
@@ -349,7 +349,7 @@ def test_dimension_without_a_size_is_refused(size: str, third: str, tmp_path: Pa
     assert "line " in message
 
 
-def test_arrays_without_end_are_refused_before_they_are_made(third: str, tmp_path: Path) -> None:
+def test_endless_arrays_are_refused_before_they_are_made(third: str, tmp_path: Path) -> None:
     text = third.replace(SIZE, '<Dimension start="300000" />').replace('start="0.0 0.0 0.0"', "")
     text = replaced(text, 'variability="continuous" >', 'variability="continuous" start="0">')
     message = refused(tmp_path, text)

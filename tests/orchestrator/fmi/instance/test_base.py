@@ -20,19 +20,20 @@ pytestmark = pytest.mark.usefixtures("mark")
 
 @pytest.fixture
 def alone(shelf: Shelf, tmp_path: Path) -> Iterator[Callable[..., Instance]]:
-    """A TYPES outside any scenario."""
-    units: list[Instance] = []
+    """An instance of TYPES outside any scenario."""
+    instances: list[Instance] = []
 
     def opened(version: int, isolate: bool) -> Instance:
         path = shelf("TYPES", version)
         extract(path, tmp_path / "unpacked")
-        units.append(open_instance("types", read_interface(path), tmp_path / "unpacked", isolate))
-        return units[-1]
+        interface = read_interface(path)
+        instances.append(open_instance("types", interface, tmp_path / "unpacked", isolate))
+        return instances[-1]
 
     yield opened
-    for unit in units:
-        unit.close()
-        unit.close()
+    for instance in instances:
+        instance.close()
+        instance.close()
 
 
 @pytest.mark.parametrize("isolate", [True, False], ids=["isolated", "in process"])
@@ -41,36 +42,34 @@ def test_values_set_by_name_stay(
     version: int, isolate: bool, alone: Callable[..., Instance]
 ) -> None:
     """Setting one element of an array, then another, keeps the first; closing twice is safe."""
-    unit = alone(version, isolate)
+    instance = alone(version, isolate)
     names = ["out_boolean", "out_enumeration"]
     names += [f"out_matrix[{i},{j}]" for i in (1, 2) for j in (1, 2)] if version == 3 else []
     values = np.zeros(len(names))
-    unit.connect([], np.zeros(0), [[unit.interface.variables[n] for n in names]], values)
-    unit.prepare({"in_boolean": 1.0, "in_enumeration": 2.0}, 0.0, 1.0, None)
+    instance.connect([], np.zeros(0), [[instance.interface.variables[n] for n in names]], values)
+    instance.prepare({"in_boolean": 1.0, "in_enumeration": 2.0}, 0.0, 1.0, None)
     if version == 3:
-        unit.set({"in_matrix[1,1]": 9.0})
-        unit.set({"in_matrix[2,1]": 8.0})
-    unit.enter_initialisation()
-    unit.receive()
+        instance.set({"in_matrix[1,1]": 9.0})
+        instance.set({"in_matrix[2,1]": 8.0})
+    instance.enter_initialisation()
+    instance.receive()
     assert values.tolist() == [0.0, 2.0, 9.0, 8.0, 2.0, 4.0][: len(names)]
 
 
 @pytest.mark.parametrize("isolate", [True, False], ids=["isolated", "in process"])
-def test_only_closing_is_left_to_a_closed_unit(
-    isolate: bool, alone: Callable[..., Instance]
-) -> None:
-    unit = alone(2, isolate)
-    unit.close()
-    unit.close()
+def test_closed_instance_can_only_be_closed(isolate: bool, alone: Callable[..., Instance]) -> None:
+    instance = alone(2, isolate)
+    instance.close()
+    instance.close()
     if isolate:
         with pytest.raises(SimulationError, match="its process has been given up"):
-            unit.step(0.0, 0.1)
+            instance.step(0.0, 0.1)
 
 
 def test_last_of_many_messages_is_kept(alone: Callable[..., Instance]) -> None:
-    unit = alone(2, False)
+    instance = alone(2, False)
     for k in range(3 * MOST_MESSAGES):
-        unit.log(1, f"types: message {k}")
-    assert len(unit.messages) == MOST_MESSAGES
-    assert unit.messages[0] == "message 0"
-    assert unit.said() == f": message {3 * MOST_MESSAGES - 1}"
+        instance.log(1, f"types: message {k}")
+    assert len(instance.messages) == MOST_MESSAGES
+    assert instance.messages[0] == "message 0"
+    assert instance.last_message() == f": message {3 * MOST_MESSAGES - 1}"

@@ -1,4 +1,4 @@
-"""Instances in processes of their own: the same numbers, and what becomes of the process."""
+"""Instances in processes of their own: the same numbers, and how the process starts and ends."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def test_steps_by_tolerance_are_the_same_isolated_or_not(shelf: Shelf, tmp_path:
     assert np.abs(apart.series("a.displacement") - 0.5 * (slow + fast)).max() < 1e-2
 
 
-def test_foreign_units_are_isolated_and_ours_are_not(
+def test_foreign_instances_are_isolated_and_ours_are_not(
     shelf: Shelf, library: Path, tmp_path: Path, mark: str
 ) -> None:
     ours, theirs = part("ours", "payload"), part("theirs", shelf("MASS", 2))
@@ -126,7 +126,7 @@ def test_ours_are_the_same_isolated(library: Path, tmp_path: Path) -> None:
 
 
 @each_version
-def test_what_can_be_once_in_a_process_gets_one_each(
+def test_fmu_that_allows_one_instance_gets_a_process_for_each(
     version: int, shelf: Shelf, tmp_path: Path, mark: str
 ) -> None:
     path = ring(tmp_path, shelf("GAIN", version, once=True), (0.5, 0.5))
@@ -138,22 +138,22 @@ def test_what_can_be_once_in_a_process_gets_one_each(
         run(load(path))
 
 
-def test_patience_is_for_calls_not_for_coming_up(
+def test_patience_counts_for_calls_not_for_the_start(
     shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A process that takes twice the patience to come up is waited for."""
+    """A process that takes twice the patience to start is waited for."""
     limits = Limits(patience=1.5)
     slow = f"import time; time.sleep({2.0 * limits.patience})"
     (tmp_path / "sitecustomize.py").write_text(slow)
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
     path = shelf("MASS", 2)
     extract(path, tmp_path / "unpacked")
-    unit = open_instance("m", read_interface(path), tmp_path / "unpacked", True, limits)
-    unit.close()
-    assert unit.messages == []
+    instance = open_instance("m", read_interface(path), tmp_path / "unpacked", True, limits)
+    instance.close()
+    assert instance.messages == []
 
 
-def test_process_that_cannot_be_started_is_told(
+def test_process_that_cannot_be_started_is_reported(
     shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*arguments: object, **options: object) -> None:
@@ -165,8 +165,8 @@ def test_process_that_cannot_be_started_is_told(
         run(load(path))
 
 
-def test_folder_of_an_fmu_is_no_place_for_modules(shelf: Shelf, tmp_path: Path) -> None:
-    """What lies in an FMU under the name of a module is not imported by its process."""
+def test_modules_in_the_folder_of_an_fmu_are_not_imported(shelf: Shelf, tmp_path: Path) -> None:
+    """A file of an FMU with the name of a module is not imported by its process."""
     path = tmp_path / "trap.fmu"
     path.write_bytes(shelf("MASS", 2).read_bytes())
     with zipfile.ZipFile(path, "a") as archive:

@@ -33,6 +33,6 @@ def test_two_libraries_of_other_names_are_refused(
     place = fmpy.platform if version == 2 else fmpy.platform_tuple
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr(f"binaries/{place}/another.so", b"")
-    reason = r"two\.fmu: no library mass\.so for .*, but another\.so, other\.so: which is it\?"
+    reason = r"two\.fmu: no library mass\.so for .*, but another\.so, other\.so; name the right"
     with pytest.raises(FmuError, match=reason):
         run(load(scenario(tmp_path, part("m", path, isolate=isolate), hold({"m.force": 0.0}))))

@@ -1,4 +1,4 @@
-"""Answers of an isolated instance's process that are none."""
+"""Bytes from the process of an isolated instance that are not an answer."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from orchestrator.fmi.instance.protocol import ANSWER, Garbled, read_answer
     ],
     ids=["letter", "lengths", "list", "no JSON", "depth", "messages"],
 )
-def test_answer_that_is_none_is_told(answer: bytes) -> None:
-    """The process of an isolated unit may say anything."""
+def test_what_is_not_an_answer_is_refused(answer: bytes) -> None:
+    """The process of an isolated instance may send anything."""
     reading, writing = os.pipe()
     try:
         os.write(writing, answer)

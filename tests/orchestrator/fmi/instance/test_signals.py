@@ -17,7 +17,7 @@ import xarray
 
 from orchestrator.simulation.load import load
 from orchestrator.simulation.system import System
-from tests.foreign.scenarios import Shelf, sick
+from tests.foreign.scenarios import Shelf, faulty
 from tests.processes import REACHED, hosts, marked, resilin, started, until, when
 
 pytestmark = pytest.mark.usefixtures("mark")
@@ -37,12 +37,12 @@ def begun(
 
 
 @pytest.mark.parametrize("fault", [0, 2], ids=["busy", "hanging"])
-def test_unit_follows_its_killed_master(
+def test_isolated_process_ends_with_its_killed_master(
     fault: int, shelf: Shelf, tmp_path: Path, mark: str
 ) -> None:
-    """Only the folder for temporary files stays: nobody is left to remove it."""
+    """Only the folder for temporary files stays: no process is left to remove it."""
     (tmp_path / "kept").mkdir()
-    path = sick(tmp_path, shelf("FAULTY", 2), fault, stop=1e5, patience="600 s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), fault, stop=1e5, patience="600 s")
     with begun(path, temporary=str(tmp_path / "kept")) as master:
         assert len(hosts(mark)) == 1
         master.kill()
@@ -65,7 +65,7 @@ def test_signal_to_the_whole_group_keeps_the_rows(
     ignored: tuple[str, ...], number: signal.Signals, shelf: Shelf, tmp_path: Path, mark: str
 ) -> None:
     """Whatever the parent ignores: an ignored signal that comes before does nothing."""
-    path = sick(tmp_path, shelf("FAULTY", 3), 0, stop=1e5)
+    path = faulty(tmp_path, shelf("FAULTY", 3), 0, stop=1e5)
     with begun(path, ignored) as master:
         for name in ignored:
             os.killpg(master.pid, signal.Signals[name])
@@ -80,12 +80,12 @@ def test_signal_to_the_whole_group_keeps_the_rows(
         assert data.sizes["time"] > 1
 
 
-def test_master_that_is_stopped_and_goes_on_keeps_its_unit(
+def test_master_that_is_stopped_and_continued_keeps_its_instance(
     shelf: Shelf, tmp_path: Path, mark: str
 ) -> None:
-    """The time it was stopped for is not held against the unit, which goes on working."""
+    """The time of the stop does not count as patience, and the instance goes on working."""
     patience = 2.0
-    path = sick(tmp_path, shelf("FAULTY", 2), 0, stop=1e5, patience=f"{patience} s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), 0, stop=1e5, patience=f"{patience} s")
 
     def worked() -> float:
         return sum(host.cpu_times().user for host in hosts(mark))
@@ -101,12 +101,12 @@ def test_master_that_is_stopped_and_goes_on_keeps_its_unit(
         assert "stopped by SIGINT" in master.communicate()[1]
 
 
-def test_second_interrupt_ends_a_hanging_unit(shelf: Shelf, tmp_path: Path, mark: str) -> None:
-    """The first waits for the unit to answer; the second does not, though it is patient.
+def test_second_interrupt_ends_a_hanging_instance(shelf: Shelf, tmp_path: Path, mark: str) -> None:
+    """The first waits for the instance to answer; the second does not, whatever the patience.
 
-    Two that come at once count as one, so they come until the run ends.
+    Two at once count as one, so they are sent until the run ends.
     """
-    path = sick(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
     with begun(path) as master:
         interrupts = 0
         while master.poll() is None:
@@ -123,12 +123,12 @@ def test_second_interrupt_ends_a_hanging_unit(shelf: Shelf, tmp_path: Path, mark
     assert "Traceback" not in stderr
 
 
-def test_interrupt_amid_an_answer_closes_all(
+def test_interrupt_amid_a_call_closes_all(
     shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     reached = tmp_path / "reached"
     monkeypatch.setenv(REACHED, str(reached))
-    path = sick(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
 
     def struck(number: int, frame: object) -> None:
         raise KeyboardInterrupt

@@ -60,9 +60,9 @@ def test_elements_that_nothing_feeds_keep_their_start(
     isolate: bool, shelf: Shelf, tmp_path: Path
 ) -> None:
     names = {f"a.in_{name}": as_held(name, 1.0) for name in echoed(3, 0)}
-    unit = part("a", shelf("TYPES", 3), isolate=isolate, start={"in_array[3]": 7.0})
+    component = part("a", shelf("TYPES", 3), isolate=isolate, start={"in_array[3]": 7.0})
     held = hold({**names, "a.in_array[1]": 5.0})
-    values = last(ran(scenario(tmp_path, unit, held, stop=0.02)))
+    values = last(ran(scenario(tmp_path, component, held, stop=0.02)))
     assert [values[f"a.out_array[{k}]"] for k in (1, 2, 3)] == [10.0, 0.0, 14.0]
 
 
@@ -70,9 +70,9 @@ def test_elements_that_nothing_feeds_keep_their_start(
 def test_matrix_is_a_parameter_by_element(isolate: bool, shelf: Shelf, tmp_path: Path) -> None:
     names = {f"a.in_{name}": as_held(name, 1.0) for name in echoed(3, 0)}
     start: dict[str, Value] = {"in_matrix[1,2]": 5.0, "in_matrix[2,2]": -1.0}
-    unit = part("a", shelf("TYPES", 3), isolate=isolate, start=start)
+    component = part("a", shelf("TYPES", 3), isolate=isolate, start=start)
     held = hold({**names, "a.in_array[1]": 0.0})
-    values = last(ran(scenario(tmp_path, unit, held, stop=0.02)))
+    values = last(ran(scenario(tmp_path, component, held, stop=0.02)))
     transposed = [values[f"a.out_matrix[{i},{j}]"] for i in (1, 2) for j in (1, 2)]
     assert transposed == [1.0, 3.0, 5.0, -1.0]
 
@@ -98,8 +98,8 @@ def test_choices_and_truths_start_by_name(version: int, shelf: Shelf, tmp_path: 
     assert plan.starts["a"] == {"in_boolean": 1.0, "in_enumeration": 2.0}
 
 
-@pytest.mark.parametrize("name", ["int64", "uint64"])
-def test_whole_number_beyond_doubles_ends_the_run(name: str, shelf: Shelf, tmp_path: Path) -> None:
-    path = typed(tmp_path, shelf("TYPES", 3), 3, held={f"a.in_{name}": LARGEST})
-    with pytest.raises(SimulationError, match=r"a: a U?Int64 output is beyond 2\^53"):
+@pytest.mark.parametrize("kind", ["Int64", "UInt64"])
+def test_whole_number_beyond_doubles_ends_the_run(kind: str, shelf: Shelf, tmp_path: Path) -> None:
+    path = typed(tmp_path, shelf("TYPES", 3), 3, held={f"a.in_{kind.lower()}": LARGEST})
+    with pytest.raises(SimulationError, match=rf"a: an output of type {kind} is beyond 2\^53"):
         ran(path)

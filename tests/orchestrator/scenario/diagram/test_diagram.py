@@ -29,7 +29,7 @@ def shown(path: Path) -> list[str]:
 
 
 def renamed(plan: Plan, old: str, new: str) -> Plan:
-    """The plan with another name for one of its units."""
+    """The plan with another name for one of its components."""
 
     def name(text: str) -> str:
         return new if text == old else text
@@ -50,26 +50,26 @@ def titled(plan: Plan, title: str) -> Plan:
 
 
 def crowd(plan: Plan, count: int = 12) -> Plan:
-    """Units of a scenario many times over, wired forwards, backwards, far and to themselves."""
-    units = [f"unit_{k}" for k in range(count)]
+    """Copies of a scenario's components, wired forwards, backwards, far and to themselves."""
+    names = [f"component_{k}" for k in range(count)]
     kinds = list(plan.interfaces.values())
     interfaces = {
-        unit: replace(kinds[k % len(kinds)], rollback=k % 3 > 0, variable_step=k % 4 > 0)
-        for k, unit in enumerate(units)
+        name: replace(kinds[k % len(kinds)], rollback=k % 3 > 0, variable_step=k % 4 > 0)
+        for k, name in enumerate(names)
     }
     pairs = [(k, (k + step) % count) for k in range(count) for step in (0, 1, 3, 7, count - 1)]
     wires = [
-        Connection(units[a], c.output, units[b], c.input, 1.0, 0.0)
+        Connection(names[a], c.output, names[b], c.input, 1.0, 0.0)
         for a, b in pairs
         for c in plan.connections[: 2 + 9 * ((a + b) % 3)]
     ]
-    held = {f"{unit}.{v.name}": 0.5 for unit in units[::2] for v in interfaces[unit].of("input")}
+    held = {f"{name}.{v.name}": 0.5 for name in names[::2] for v in interfaces[name].of("input")}
     return replace(
-        plan, interfaces=interfaces, order=units, connections=wires, held=held, starts={}
+        plan, interfaces=interfaces, order=names, connections=wires, held=held, starts={}
     )
 
 
-def test_every_unit_and_port_is_named(library: Path, tmp_path: Path) -> None:
+def test_every_component_and_port_is_named(library: Path, tmp_path: Path) -> None:
     plan = load("oscillator-1", None, library)
     texts = shown(draw(plan, tmp_path / "scenario.svg"))
     assert plan.scenario.title in texts
@@ -82,7 +82,7 @@ def test_every_unit_and_port_is_named(library: Path, tmp_path: Path) -> None:
     assert any("60 per cycle of 51.8 Hz" in text for text in texts)
 
 
-def test_wires_tell_how_much_they_carry(library: Path, tmp_path: Path) -> None:
+def test_wires_show_how_much_they_carry(library: Path, tmp_path: Path) -> None:
     for laws, label in (("curvature", "force: 1 value, 7 law members"), ("held", "force: 1 value")):
         plan = load("oscillator-1", None, library, master={"laws": laws})
         assert label in shown(draw(plan, tmp_path / "scenario.svg"))
@@ -96,7 +96,7 @@ def test_a_wire_between_unlike_ports_names_both(library: Path, tmp_path: Path) -
     assert "push → force: 1 value" in texts
 
 
-def test_units_that_lack_an_ability_are_marked(library: Path, tmp_path: Path) -> None:
+def test_components_that_lack_an_ability_are_marked(library: Path, tmp_path: Path) -> None:
     plan = load("pull-test-L20", None, library)
     assert not any("no rollback" in text for text in shown(draw(plan, tmp_path / "able.svg")))
     unable = replace(plan.interfaces["rig"], rollback=False, variable_step=False)
@@ -128,7 +128,7 @@ def test_strange_texts_are_shown_as_they_are(library: Path, tmp_path: Path) -> N
     [("a\x00b\nc", r"a\x00b\x0ac"), ("\u202eabc", r"\u202eabc"), ("羽ばたき", "羽ばたき")],
 )
 def test_no_title_breaks_a_diagram(library: Path, tmp_path: Path, title: str, seen: str) -> None:
-    """Controls and bidi marks are escaped; a script that the font lacks is no error."""
+    """Controls and bidi marks are escaped; a script that the font lacks is not an error."""
     plan = titled(load("pull-test-L20", None, library), title)
     assert seen in shown(draw(plan, tmp_path / "scenario.svg"))
     draw(plan, tmp_path / "scenario.png")
@@ -142,7 +142,7 @@ def test_a_long_title_is_broken_and_an_empty_one_replaced(library: Path, tmp_pat
     assert plan.path.name in shown(draw(titled(plan, ""), tmp_path / "empty.svg"))
 
 
-def test_one_unit_without_wires(library: Path, tmp_path: Path) -> None:
+def test_one_component_without_wires(library: Path, tmp_path: Path) -> None:
     plan = load("oscillator-1", None, library)
     alone = replace(plan, order=["payload"], connections=[], held={})
     texts = shown(draw(alone, tmp_path / "scenario.svg"))

@@ -33,8 +33,8 @@ def packed(path: Path, description: str | bytes, **files: bytes | Path) -> Path:
 
 
 def real(name: str, value: float, unit: str = "") -> str:
-    told = f' unit="{unit}"' if unit else ""
-    return f'<ssv:Parameter name="{name}"><ssv:Real value="{value!r}"{told}/></ssv:Parameter>'
+    measured = f' unit="{unit}"' if unit else ""
+    return f'<ssv:Parameter name="{name}"><ssv:Real value="{value!r}"{measured}/></ssv:Parameter>'
 
 
 def bound(*parameters: str, mapping: str = "", more: str = "") -> str:
@@ -62,16 +62,15 @@ def joined(start: str, end: str, inside: str = "", more: str = "") -> str:
     ends = []
     for prefix, text in (("start", start), ("end", end)):
         owner, _, name = text.partition(":")
-        owner_told = f'{prefix}Element="{owner}" ' if owner else ""
-        ends.append(f'{owner_told}{prefix}Connector="{name}"')
+        element = f'{prefix}Element="{owner}" ' if owner else ""
+        ends.append(f'{element}{prefix}Connector="{name}"')
     return f"<ssd:Connection {' '.join(ends)}{more}>{inside}</ssd:Connection>"
 
 
 def elements(inside: str, connections: str = "", bindings: str = "") -> str:
-    told = f"<ssd:Connections>{connections}</ssd:Connections>" if connections else ""
-    return (
-        f'<ssd:System name="top">{bindings}<ssd:Elements>{inside}</ssd:Elements>{told}</ssd:System>'
-    )
+    wires = f"<ssd:Connections>{connections}</ssd:Connections>" if connections else ""
+    content = f"{bindings}<ssd:Elements>{inside}</ssd:Elements>{wires}"
+    return f'<ssd:System name="top">{content}</ssd:System>'
 
 
 PUSH = component(

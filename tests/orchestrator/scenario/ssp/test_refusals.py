@@ -38,7 +38,7 @@ def two(*parameters: str, connections: str = "") -> str:
 BAD = {
     "doctype": ("<!DOCTYPE x [<!ENTITY a 'b'>]><x/>", "DOCTYPE: refused"),
     "not xml": ("<x", "is not XML"),
-    "other root": ("<x/>", "is no system structure"),
+    "other root": ("<x/>", "is not a system structure"),
     "old version": (described(ALONE, version="0.9"), "'0.9' is not known here"),
     "schema": (described(ALONE.replace('kind="input"', 'kind="inputt"')), "line 2"),
     "no fmu": (described(ALONE.replace("payload.fmu", "payloat.fmu")), "did you mean"),
@@ -50,9 +50,9 @@ BAD = {
     ),
     "text for number": (
         described(ALONE.replace('<ssv:Real value="2.0" unit="g"/>', '<ssv:String value="x"/>')),
-        "is a String, the FMU wants a Real",
+        "is a String, the FMU takes a Real",
     ),
-    "infinite": (described(ALONE.replace("2.0", "INF")), "no finite number"),
+    "infinite": (described(ALONE.replace("2.0", "INF")), "not a finite number"),
     "no such connector": (
         described(two(connections=joined("one:displacemant", "other:force.value"))),
         "did you mean 'displacement'",
@@ -63,7 +63,7 @@ BAD = {
     ),
     "wrong way": (
         described(two(connections=joined("one:force.value", "other:force.value"))),
-        "is no output of its FMU",
+        "is not an output of its FMU",
     ),
     "fed twice": (
         described(two(connections=2 * joined("one:displacement", "other:force.value"))),
@@ -85,7 +85,9 @@ BAD = {
             "</ssc:BooleanMappingTransformation>"))),
         "only linear ones",
     ),
-    "parameter of nobody": (described(two(real("won.mass", 1.0))), "is of no component"),
+    "parameter of no component": (
+        described(two(real("won.mass", 1.0))), "does not belong to a component",
+    ),
     "same name twice": (
         described(elements(2 * component("a", "resources/payload.fmu"))), "two elements are called",
     ),
@@ -121,7 +123,7 @@ BAD = {
     "annotation": (
         described(ALONE, tail='<ssd:Annotations><ssc:Annotation type="org.resilin.scenario">'
                   "<x>{</x></ssc:Annotation></ssd:Annotations>"),
-        "is no JSON",
+        "is not JSON",
     ),
     "stop before start": (
         described(ALONE, tail='<ssd:DefaultExperiment startTime="2" stopTime="1"/>'),
@@ -131,7 +133,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("fault", sorted(BAD))
-def test_what_cannot_be_taken_over_is_said(
+def test_what_cannot_be_taken_over_is_refused(
     library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -151,7 +153,7 @@ def test_what_cannot_be_taken_over_is_said(
         (b"PK nothing", "not a zip archive"),
     ],
 )
-def test_files_that_are_no_archives(tmp_path: Path, content: bytes, message: str) -> None:
+def test_files_that_are_not_archives(tmp_path: Path, content: bytes, message: str) -> None:
     path = tmp_path / "a.ssp"
     path.write_bytes(content)
     with pytest.raises(ScenarioError, match=message):

@@ -14,8 +14,10 @@ from lxml import etree
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
+from orchestrator.errors import RenamedWarning
 from orchestrator.scenario.files import scenario_names
 from orchestrator.scenario.plan import Plan
+from orchestrator.scenario.ssp.read import KEYS
 from orchestrator.scenario.ssp.write import VERSIONS, Package, write_ssp
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
@@ -116,11 +118,11 @@ def test_choices_are_built_in_and_further_sets_go_along(
 ) -> None:
     """Other tools do not read enumerations from SSP: the part starts with its choice instead."""
     monkeypatch.chdir(tmp_path)
-    said = exported(
+    printed = exported(
         native, "oscillator-1", "--also", "heavy:payload.mass=2 g", "--also",
         "heavy:spring.damping=0.1 N*s/m", "--also", "slow:amplifier.frequency=20 Hz",
     )  # fmt: skip
-    assert "3 components" in said
+    assert "3 components" in printed
     with zipfile.ZipFile("oscillator-1.ssp") as archive:
         names = archive.namelist()
         assert "resources/amplifier_raised_sine.fmu" in names
@@ -149,7 +151,7 @@ def test_a_recording_goes_along_as_an_fmu(
     assert other.series(name) == pytest.approx(one.series(name), abs=1e-12)
 
 
-def test_actions_and_faults_stay_with_us_and_are_told(native: Path, tmp_path: Path) -> None:
+def test_actions_and_faults_come_back_and_are_remarked(native: Path, tmp_path: Path) -> None:
     scenario = tmp_path / "s.toml"
     scenario.write_text(
         'extends = "oscillator-1"\n[[actions]]\nat = "10 ms"\n'
@@ -164,6 +166,33 @@ def test_actions_and_faults_stay_with_us_and_are_told(native: Path, tmp_path: Pa
     back = load(str(tmp_path / "a.ssp"))
     assert back.actions == plan.actions
     assert back.faults == plan.faults
+
+
+def test_an_archive_of_the_previous_release_is_read(
+    native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its annotation is of type org.resilin.scene: read the same, with a warning."""
+    plan = load("oscillator-1", None, native)
+    write_ssp(Package(plan, {}), tmp_path / "new.ssp")
+    with (
+        zipfile.ZipFile(tmp_path / "new.ssp") as new,
+        zipfile.ZipFile(tmp_path / "old.ssp", "w") as old,
+    ):
+        for name in new.namelist():
+            content = new.read(name)
+            if name == "SystemStructure.ssd":
+                content = content.replace(b"org.resilin.scenario", b"org.resilin.scene")
+                content = content.replace(b"resilin:scenario", b"resilin:scene")
+                assert content.count(b"org.resilin.scene") == 2
+            old.writestr(name, content)
+    monkeypatch.chdir(tmp_path)
+    with pytest.warns(RenamedWarning, match=r"old\.ssp: .* now called org\.resilin\.scenario"):
+        back = load("old.ssp")
+    today = load("new.ssp")
+    for key in (*KEYS, "title", "wires", "hold"):
+        assert getattr(back.scenario, key) == getattr(today.scenario, key), key
+    assert (back.grid, back.starts) == (plan.grid, today.starts)
+    assert back.scenario.metrics.defined
 
 
 def test_another_tool_finds_no_fault_with_the_connections(native: Path, tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from orchestrator.scenario.plan import Plan
 from orchestrator.simulation.compiled import drive, library
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import replay, run
+from tests.foreign.scenarios import Shelf, part, scenario, wires
 
 Both = Callable[..., tuple[Outcome, Outcome]]
 MASTERS = ("gauss-seidel", "jacobi", "extrapolated")
@@ -114,7 +115,7 @@ at = "2 cycles"
 set = { "amplifier.amplitude" = "1000 V" }
 [[actions]]
 at = "2 cycles"
-set = { "amplifier.frequency" = "20 Hz" }
+set = { "aero.density" = "0.6 kg/m^3" }
 """
 
 FAULTY = """
@@ -193,3 +194,46 @@ def test_what_is_not_compiled_says_so(library: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(drive, "missing", lambda: "no C compiler was found")
     plan = load("oscillator-1", None, library, time={"stop": "1 cycles"})
     assert run(plan).python_loop == "no C compiler was found"
+
+
+@pytest.mark.parametrize("master", MASTERS)
+@pytest.mark.parametrize("laws", ["affine", "curvature"])
+@pytest.mark.parametrize("name", ["flapping-full-wings", "oscillator-1"])
+def test_steps_by_tolerance(native: Path, both: Both, name: str, laws: str, master: str) -> None:
+    options = {
+        "time": {"stop": "1 cycles", "tolerance": 1e-3},
+        "master": {"kind": master, "laws": laws},
+    }
+    compiled, python = both(load(name, None, native, **options))
+    assert_same(compiled, python)
+    assert (compiled.rejected, compiled.rollbacks) == (python.rejected, python.rollbacks)
+
+
+@pytest.mark.parametrize("rollback", [True, False])
+@pytest.mark.parametrize("version", [2, 3])
+def test_steps_by_tolerance_of_foreign_instances(
+    shelf: Shelf, tmp_path: Path, both: Both, version: int, rollback: bool
+) -> None:
+    """In this process and isolated, with rollback by doubling and without by foresight."""
+    mass = shelf("MASS", version, rollback=rollback)
+    for isolate in (False, True):
+        keys = {"start": {"position": 1.0}, "isolate": isolate}
+        path = scenario(
+            tmp_path,
+            part("one", mass, **keys),
+            part("two", mass, isolate=isolate),
+            wires("one.position -> two.force", "two.position -> one.force * -1.0"),
+            stop=1.0,
+            step=0.01,
+            more="tolerance = 1e-3",
+        )
+        compiled, python = both(load(path))
+        assert_same(compiled, python)
+        assert compiled.rejected == python.rejected
+        assert compiled.rollbacks == python.rollbacks
+
+
+def test_actions_under_step_control(library: Path, tmp_path: Path, both: Both) -> None:
+    path = tmp_path / "scenario.toml"
+    path.write_text(ACTING.replace("[time]", "[time]\ntolerance = 1e-3"))
+    assert_same(*both(load(path, None, library)))

@@ -172,7 +172,7 @@ to = "capacitor.force"
 "resistor.second.displacement" = 0.0
 "resistor.second.velocity" = 0.0
 """
-"""A capacitor (m dv/dt = F, with v for the voltage) and the resistor of its electrode apart."""
+"""A capacitor (m dv/dt = F, with v for the voltage) and its electrode's resistor as two parts."""
 
 
 @pytest.mark.parametrize("kind", MAPPED)
@@ -199,7 +199,7 @@ def test_the_limit_of_a_split_electrode(library: Path, tmp_path: Path, kind: str
 def test_our_electrode_has_no_limit(
     library: Path, tmp_path: Path, laws: str, resistance: str, capacitance: str
 ) -> None:
-    """Charge and capacitance cross together and one unit owns the voltage: stable at any step.
+    """Charge and capacitance cross together and one part owns the voltage: stable at any step.
 
     Time constants of 1 us and 0.1 s, steps from 10 us to 1 s.
     """
@@ -218,8 +218,8 @@ def test_our_electrode_has_no_limit(
 
 
 @pytest.mark.parametrize("laws", ["held", "curvature"])
-def test_units_joined_in_python_control(library: Path, laws: str) -> None:
-    """Its interconnection of our units by the scenario's wires has the poles of our Jacobi map."""
+def test_instances_joined_in_python_control(library: Path, laws: str) -> None:
+    """Its interconnection by the scenario's wires has the poles of our Jacobi map."""
     mapped = step_map(still(library, master={"laws": laws}))
     joined = mapped.interconnected()
     assert joined.dt == mapped.step
@@ -242,7 +242,7 @@ def test_an_unstable_wire_is_named(library: Path, tmp_path: Path) -> None:
     assert "pair" in mapped.culprit("jacobi")
 
 
-def test_what_cannot_be_linearised_is_told(library: Path, tmp_path: Path) -> None:
+def test_what_cannot_be_linearised_is_refused(library: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="does not come to rest"):
         linearise(load("oscillator-1", {"amplifier.amplitude": "1 V"}, library))
     with pytest.raises(InputError, match="is not held; there is"):

@@ -77,8 +77,8 @@ def test_a_coupling_too_stiff_is_stopped(outcome: Runner, kind: str) -> None:
     assert done.failure is None or isinstance(done.failure, SimulationError)
 
 
-def test_a_master_that_needs_rollback_says_so_at_load(library: Path, tmp_path: Path) -> None:
-    """What is lacking, and what would work; nothing is loaded for it."""
+def test_a_master_that_needs_rollback_is_refused_at_load(library: Path, tmp_path: Path) -> None:
+    """The error names what is lacking, and what would work; nothing is loaded for it."""
     with (
         zipfile.ZipFile(library / "payload.fmu") as old,
         zipfile.ZipFile(tmp_path / "plain.fmu", "w") as new,

@@ -1,4 +1,4 @@
-"""Parameters from recordings: what is found, how surely, and what is refused."""
+"""Parameters from recordings: values, intervals, remarks, and what is refused."""
 
 from __future__ import annotations
 
@@ -50,15 +50,15 @@ def noisy(clean: Path, path: Path, seed: int, size: float = NOISE, fading: float
     import xarray
 
     with xarray.open_dataset(clean) as data:
-        told = {str(name): np.array(values) for name, values in data.data_vars.items()}
+        columns = {str(name): np.array(values) for name, values in data.data_vars.items()}
         times = np.array(data["time"])
     rng = np.random.default_rng(seed)
     noise = size * rng.standard_normal(len(times))
     for k in range(1, len(times)):
         noise[k] = fading * noise[k - 1] + np.sqrt(1.0 - fading**2) * noise[k]
-    told["payload.motion.displacement"] += noise
-    rows = np.column_stack([times, *told.values()])
-    header = ",".join(["time", *told])
+    columns["payload.motion.displacement"] += noise
+    rows = np.column_stack([times, *columns.values()])
+    header = ",".join(["time", *columns])
     np.savetxt(path, rows, fmt="%.17g", delimiter=",", header=header, comments="")
     return path
 
@@ -89,7 +89,7 @@ def test_known_parameters_lie_within_their_intervals(
 
 
 def pushed(path: Path, noise: float = 0.0, head: str = "") -> Path:
-    """0.6 g under a force of 10 mN at 20 Hz, closed form, with the position it comes to."""
+    """0.6 g under a force of 10 mN at 20 Hz, with its position in closed form."""
     t = np.linspace(0.0, 0.2, 401)
     w, mass = 2.0 * np.pi * 20.0, 0.6e-3
     force = 0.01 * np.sin(w * t)
@@ -102,7 +102,7 @@ def pushed(path: Path, noise: float = 0.0, head: str = "") -> Path:
 
 
 def test_a_part_alone(native: Path, tmp_path: Path) -> None:
-    """Its inputs are columns, the rest of them are held as the FMU has them."""
+    """Its inputs are columns; the others are held at the FMU's start values."""
     case = case_of(pushed(tmp_path / "bench.csv", 1e-6), Asked(["payload"]), native)
     assert case.pairs == [("recording.displacement", "payload.displacement")]
     found = identify(case, unknowns_of(["mass=0.1 g:5 g"], case.plan, ["payload"]))
@@ -166,19 +166,21 @@ def test_coloured_noise_widens_the_intervals(
     coloured = fitted(noisy(oscillation, tmp_path / "red.csv", 3, fading=0.9), native)
     assert white.widened == 1.0
     assert coloured.widened > 2.0
-    assert any("no noise" in line for line in remarks(coloured))
+    assert any("are not noise" in line for line in remarks(coloured))
 
 
-def test_what_the_data_do_not_tell_is_said(native: Path, tmp_path: Path, oscillation: Path) -> None:
+def test_what_the_data_do_not_determine_is_remarked(
+    native: Path, tmp_path: Path, oscillation: Path
+) -> None:
     path = noisy(oscillation, tmp_path / "noisy.csv", 1)
     case = case_of(path, replace(OSCILLATOR, changes={"payload.mass": "0.5 g"}), native)
 
-    def said(*names: str) -> str:
+    def remarked(*names: str) -> str:
         unknowns = unknowns_of(names, case.plan, OSCILLATOR.parts)
         return "\n".join(remarks(identify(case, unknowns)))
 
-    assert "cannot be told apart" in said("spring.loss_factor", "spring.loss_frequency")
-    assert "end of its range" in said("payload.mass=0.2 g:0.6 g")
+    assert "cannot be distinguished" in remarked("spring.loss_factor", "spring.loss_frequency")
+    assert "end of its range" in remarked("payload.mass=0.2 g:0.6 g")
 
 
 def test_rows_that_are_skipped_do_not_count(native: Path, tmp_path: Path) -> None:
@@ -205,13 +207,14 @@ def test_a_step_of_its_own(native: Path, tmp_path: Path) -> None:
 def test_facts_and_figure(native: Path, tmp_path: Path) -> None:
     case = case_of(pushed(tmp_path / "bench.csv", 1e-6), Asked(["payload"]), native)
     found = identify(case, unknowns_of(["mass"], case.plan, ["payload"]))
-    told = facts(found)
-    assert told["parameters"]["payload.mass"]["unit"] == "kg"
-    assert told["outputs"]["payload.displacement"]["residual_rms"] == pytest.approx(1e-6, rel=0.2)
+    content = facts(found)
+    assert content["parameters"]["payload.mass"]["unit"] == "kg"
+    residual = content["outputs"]["payload.displacement"]["residual_rms"]
+    assert residual == pytest.approx(1e-6, rel=0.2)
     assert [plot.title for plot in figure(found).plots] == [
         "payload.displacement", "payload.displacement: recorded less fitted",
     ]  # fmt: skip
-    json.dumps(told)
+    json.dumps(content)
 
 
 def test_parts_that_stop_at_their_start_values(native: Path, tmp_path: Path) -> None:
@@ -230,24 +233,24 @@ def test_the_command(
     native: Path, tmp_path: Path, oscillation: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    code, said, _ = called(
+    code, output, _ = called(
         native, str(oscillation), "--scenario", "oscillator-1", "--part", "spring", "--part",
         "payload", "--parameters", "payload.mass,spring.loss_factor=0.1:0.5", "--set",
         "payload.mass=0.7 g", "--html", "fit.html", "--json",
     )  # fmt: skip
     assert code == 0
-    told = json.loads(said)
-    assert told["parameters"]["payload.mass"]["value"] == pytest.approx(0.603e-3, rel=1e-3)
-    assert told["parameters"]["payload.mass"]["start"] == pytest.approx(0.7e-3)
+    mass = json.loads(output)["parameters"]["payload.mass"]
+    assert mass["value"] == pytest.approx(0.603e-3, rel=1e-3)
+    assert mass["start"] == pytest.approx(0.7e-3)
     assert Path("results/clean-fit.png").stat().st_size > 10_000
     assert "payload.motion.displacement" in Path("fit.html").read_text()
-    code, said, _ = called(
+    code, output, _ = called(
         native, str(pushed(tmp_path / "bench.csv", 1e-6)), "--part", "payload", "--parameters",
         "mass", "--picture", "fit.svg",
     )  # fmt: skip
     assert code == 0
-    assert "payload.mass" in said
-    assert "0.0006" in said
+    assert "payload.mass" in output
+    assert "0.0006" in output
 
 
 BENCH = ("bench.csv", "--part", "payload", "--parameters", "mass")
@@ -265,7 +268,7 @@ SCENARIO = ("--scenario", "oscillator-1", "--part", "payload", "--parameters", "
         (("bench.csv", "--part", "payload", "--parameters", "mass,mass"), "named twice"),
         (("bench.csv", "--part", "payload", "--parameters", "spring.mass"), "no real parameter"),
         (("bench.csv", "--part", "payload", "--parameters", "mass=1 g"), "low:high"),
-        (("bench.csv", "--part", "payload", "--parameters", "mass=2 g:1 g"), "is no range"),
+        (("bench.csv", "--part", "payload", "--parameters", "mass=2 g:1 g"), "is not a range"),
         (("bench.csv", "--part", "payload", "--parameters", "mass=-2 g:1 g"), "is outside"),
         (("bench.csv", "--part", "payload", "--parameters", "mass=1 m:2 m"), "quantity in kg"),
         (("bench.csv", "--part", "payload", "--parameters", "mass=1 g:2 g"), "starts at"),
@@ -294,7 +297,7 @@ SCENARIO = ("--scenario", "oscillator-1", "--part", "payload", "--parameters", "
         (("bench.csv", *SCENARIO[:2], "--part", "paylod", *SCENARIO[4:]), "did you mean 'payload'"),
     ],
 )
-def test_bad_input_is_told_in_a_line(
+def test_bad_input_is_reported_in_a_line(
     native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...],
     message: str,
 ) -> None:  # fmt: skip
@@ -302,11 +305,11 @@ def test_bad_input_is_told_in_a_line(
     pushed(Path("bench.csv"))
     Path("two.csv").write_text("time,force.value,displacement\n0,0,0\n1,0,0\n")
     Path("inputs.csv").write_text("time,force.value\n0,0\n1,0\n2,0\n")
-    code, said, told = called(native, *arguments)
-    assert code == 2, told
-    assert said == ""
-    assert re.search(re.escape(message), told), told
-    assert all(line.startswith("resilin: ") for line in told.strip().splitlines())
+    code, output, errors = called(native, *arguments)
+    assert code == 2, errors
+    assert output == ""
+    assert re.search(re.escape(message), errors), errors
+    assert all(line.startswith("resilin: ") for line in errors.strip().splitlines())
     assert not list(tmp_path.glob("**/*.png"))
     assert not list(tmp_path.glob("**/*.html"))
 

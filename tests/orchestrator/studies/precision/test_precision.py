@@ -1,4 +1,4 @@
-"""Work-precision studies: orders, references, failures that stay in, and what is advised."""
+"""Precision studies: orders, references, failures that stay in, and cheapest settings."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from orchestrator.report.page import rendered
 from orchestrator.studies.precision.method import Method, parse_method
 from orchestrator.studies.precision.page import page
 from orchestrator.studies.precision.study import Study, precision
-from orchestrator.studies.precision.table import advice, draw, write
+from orchestrator.studies.precision.table import cheapest_settings, draw, write
 from tests.evals.two_masses import exact, scenarios
 
 runner = CliRunner()
@@ -24,17 +24,17 @@ runner = CliRunner()
 
 @pytest.fixture(scope="module")
 def numbers(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Study:
-    """Two masses that know no laws, measured against themselves; a step that diverges too."""
+    """Two masses without laws, measured against themselves; one step diverges."""
     folder = scenarios(tmp_path_factory.mktemp("two"))
     methods = [Method(kind, "held") for kind in ("gauss-seidel", "extrapolated")]
     return precision(
-        folder / "numbers.toml", library, methods=methods, ladder=(80.0, 2.0, 1.0, 0.5),
+        folder / "numbers.toml", library, methods=methods, factors=(80.0, 2.0, 1.0, 0.5),
         repeats=1, changes={"pair.stiffness": "10"}, variables=["first.displacement"],
     )  # fmt: skip
 
 
 def test_orders_against_itself(numbers: Study) -> None:
-    """Without a monolith the scenario is iterated finely, and that reference's error is bounded."""
+    """Without a monolith the reference is a fine iterated run, whose own error is bounded."""
     assert "iterative" in numbers.reference
     assert 0.0 < numbers.bound["first.displacement"] < 3e-4
     finest = {str(r.method): r for r in numbers.runs if r.step == pytest.approx(5e-3)}
@@ -65,8 +65,8 @@ def test_what_failed_stays_in(numbers: Study, tmp_path: Path) -> None:
     assert draw(numbers, tmp_path / "t.svg").read_text().startswith("<?xml")
 
 
-def test_advice_is_the_cheapest_that_is_good_enough(numbers: Study) -> None:
-    lines = list(advice(numbers))
+def test_the_cheapest_setting_is_good_enough(numbers: Study) -> None:
+    lines = list(cheapest_settings(numbers))
     assert lines[2] == "1e-04: not reached"
     assert lines[1].startswith("1e-03: not reached") or "extrapolated" in lines[1]
     best = numbers.cheapest(1e-2)
@@ -82,7 +82,7 @@ def test_advice_is_the_cheapest_that_is_good_enough(numbers: Study) -> None:
 def test_the_monolith_is_the_reference_of_our_scenarios(library: Path) -> None:
     study = precision(
         "oscillator-1", library, methods=[Method("gauss-seidel", "curvature")],
-        ladder=(2.0, 1.0), repeats=1, options={"time": {"stop": "3 cycles"}},
+        factors=(2.0, 1.0), repeats=1, options={"time": {"stop": "3 cycles"}},
     )  # fmt: skip
     assert study.reference.startswith("the monolith")
     assert study.variables == ["payload.displacement"]
@@ -108,14 +108,14 @@ def test_bad_requests_are_refused(library: Path, tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match="not a part of the monolith"):
         precision(path, library, reference="monolith")
     with pytest.raises(InputError, match=r"did you mean 'first\.displacement'"):
-        precision(path, library, variables=["first.displacment"], ladder=(1.0,))
+        precision(path, library, variables=["first.displacment"], factors=(1.0,))
     options = ["--fmus", str(library), "--stop", "1 cycle", "--factor", "-1"]
     done = runner.invoke(app, ["precision", "oscillator-1", *options])
     assert done.exit_code == 2
     assert "--factor: has to be above zero" in done.output
 
 
-def test_the_command_writes_table_and_picture(library: Path, tmp_path: Path) -> None:
+def test_the_command_writes_table_and_plot(library: Path, tmp_path: Path) -> None:
     target = tmp_path / "p.csv"
     options = ["--fmus", str(library), "--stop", "2 cycles", "--factor", "1", "--repeats", "1"]
     method = ["--method", "gauss-seidel", "--json", "--output", str(target)]
@@ -126,8 +126,8 @@ def test_the_command_writes_table_and_picture(library: Path, tmp_path: Path) -> 
     assert sorted(p.name for p in tmp_path.iterdir()) == ["p.csv", "p.svg"]
 
 
-def test_a_page_of_all_rungs(numbers: Study) -> None:
-    """Failures with their reasons too; what a scenario calls itself stays text."""
+def test_a_page_of_all_runs(numbers: Study) -> None:
+    """Failures with their reasons too; a scenario's title stays text."""
     text = rendered(page(replace(numbers, title="<script>x</script>")))
     assert "<script>x" not in text
     assert text.count("<tr>") == 1 + len(numbers.runs)
@@ -144,3 +144,7 @@ def test_the_command_writes_a_page(library: Path, tmp_path: Path) -> None:
     done = runner.invoke(app, ["precision", "oscillator-1", *options, *method, str(tmp_path)])
     assert done.exit_code == 2
     assert "name it *.html" in done.output
+    blocked = tmp_path / "p.csv" / "q.csv"
+    done = runner.invoke(app, ["precision", "oscillator-1", *options, "--output", str(blocked)])
+    assert done.exit_code == 2
+    assert "p.csv: cannot be made" in done.output

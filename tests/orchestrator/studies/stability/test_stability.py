@@ -1,4 +1,4 @@
-"""Extreme cases: what becomes of a run, and that nothing wrong passes for right."""
+"""Extreme cases: the class of each run, and that no wrong run passes for right."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def kinds(study: Study, case: str, master: str) -> dict[int, str]:
 
 
 def test_the_classes(study: Study) -> None:
-    """Laws are accurate, held forces say that they are not, a dropped unit stops every run."""
+    """Laws are accurate, held forces are noticed, a dropped instance stops every run."""
     assert kinds(study, "easy", "gauss-seidel")[16] == "accurate"
     assert kinds(study, "easy", "jacobi")[16] in {"inaccurate", "stopped"}
     assert set(kinds(study, "gone", "gauss-seidel").values()) == {"stopped"}
@@ -63,7 +63,7 @@ def test_the_classes(study: Study) -> None:
     assert sum(study.count().values()) == len(study.trials)
 
 
-def test_the_scenes_own_setting_is_among_them(study: Study) -> None:
+def test_the_scenarios_own_setting_is_among_them(study: Study) -> None:
     usual = [t for t in study.trials if t.usual]
     assert {t.case for t in usual} == {"easy", "light", "gone"}
     assert {(t.master, t.laws, t.per_cycle) for t in usual} == {("gauss-seidel", "curvature", 60)}
@@ -77,8 +77,8 @@ def test_references(study: Study) -> None:
     assert "dropped out" in study.references["gone"]
 
 
-def test_an_error_that_nothing_tells_is_silent(library: Path) -> None:
-    """A run that is right by its own account, but not by the reference's."""
+def test_an_error_that_nothing_notices_is_silent(library: Path) -> None:
+    """A run that is right by its own estimate, but not by the reference."""
     done = run(load("oscillator-1", None, library, time={"stop": "2 cycles"}))
     assert judged(done, 0.9, ["payload.displacement"]) == ("silent", "")
     assert judged(done, 0.009, ["payload.displacement"]) == ("accurate", "")
@@ -88,7 +88,10 @@ def test_an_error_that_nothing_tells_is_silent(library: Path) -> None:
 
 def test_table_and_heat_maps(study: Study, tmp_path: Path) -> None:
     with write(study, tmp_path / "s.csv").open(encoding="utf-8") as file:
-        assert len(list(csv.DictReader(file))) == len(study.trials)
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(study.trials)
+    noticed = {row["noticed_by"] for row in rows if row["kind"] == "inaccurate"}
+    assert noticed <= {"audit", "estimate"}
     assert draw(study, tmp_path / "s.svg").read_text().startswith("<?xml")
 
 
@@ -138,7 +141,7 @@ def test_all_problems_of_all_cases_at_once(library: Path, tmp_path: Path) -> Non
     with pytest.raises(ScenarioError) as caught:
         stability(load_cases(file), file, library)
     assert [p.split(":")[0] for p in caught.value.problems] == ["case a", "case b"]
-    with pytest.raises(ScenarioError, match=r"no case 'c'; there is a, b"):
+    with pytest.raises(ScenarioError, match=r"no case 'c'; there are a, b"):
         load_cases(file, ["c"])
 
 

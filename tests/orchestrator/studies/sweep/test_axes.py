@@ -44,7 +44,7 @@ def test_figure_11_has_its_26_points() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reason"),
     [
         ("", "component.parameter=values"),
         ("amplifier=1:2:1", "component.parameter=values"),
@@ -52,11 +52,11 @@ def test_figure_11_has_its_26_points() -> None:
         ("a.b", "component.parameter=values"),
         ("a.b=", "empty value"),
         ("a.b=1,,2", "empty value"),
-        ("a.b=1:2", "is no range"),
-        ("a.b=1:2:3:4", "is no range"),
-        ("a.b=1:x:2", "is no range"),
-        ("a.b=1:50/2.5Hz", "is no range"),
-        ("a.b=1:50:26#Hz", "is no range"),
+        ("a.b=1:2", "is not a range"),
+        ("a.b=1:2:3:4", "is not a range"),
+        ("a.b=1:x:2", "is not a range"),
+        ("a.b=1:50/2.5Hz", "is not a range"),
+        ("a.b=1:50:26#Hz", "is not a range"),
         ("a.b=1:2:0Hz", "above zero"),
         ("a.b=1:2:-1Hz", "above zero"),
         ("a.b=2:1:1", "backwards"),
@@ -79,20 +79,20 @@ def test_figure_11_has_its_26_points() -> None:
         ("a.b=sine,sine", "twice"),
     ],
 )
-def test_a_bad_axis_is_refused_with_the_way_out(text: str, told: str) -> None:
-    with pytest.raises(InputError, match=told):
+def test_a_bad_axis_is_refused_with_the_way_out(text: str, reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
         parse_axis(text)
 
 
 def test_axes_that_make_no_sweep_are_refused() -> None:
     many = Axis("a.b", tuple(str(k) for k in range(1000)))
-    for axes, changes, told in [
+    for axes, changes, reason in [
         ([], {}, "at least one axis"),
-        ([many, many], {}, "a.b: stands twice"),
+        ([many, many], {}, "a.b: is given twice"),
         ([many], {"a.b": "3"}, "set to '3' as well"),
         ([many, Axis("a.c", many.values)], {}, f"1000 x 1000 = 1000000.*{MOST_POINTS}"),
     ]:
-        with pytest.raises(InputError, match=told):
+        with pytest.raises(InputError, match=reason):
             check_axes(axes, changes)
 
 

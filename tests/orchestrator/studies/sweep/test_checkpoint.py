@@ -1,4 +1,4 @@
-"""Points of a sweep on disk: taken over, damaged, in use."""
+"""Points of a sweep on disk: reused, damaged, in use."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from orchestrator.studies.sweep.study import parse_axis
 from tests.orchestrator.studies.sweeps import SCENARIO, Sweep, files, ok
 
 
-def test_points_are_taken_over_where_nothing_has_changed(swept: Sweep, tmp_path: Path) -> None:
+def test_points_are_reused_where_nothing_has_changed(swept: Sweep, tmp_path: Path) -> None:
     target = tmp_path / "out.nc"
     swept("amplifier.frequency=17:18/2Hz", target=target, keep=True)
     first = files(target)
@@ -44,7 +44,7 @@ def test_a_folder_is_for_one_sweep_at_a_time(swept: Sweep, tmp_path: Path) -> No
 
 
 def test_a_record_survives_its_file(tmp_path: Path, library: Path) -> None:
-    """Numbers that are none included; what is not whole is as if it were not there."""
+    """Infinite numbers included; a file that is not whole counts as missing."""
     axes = [parse_axis("amplifier.frequency=17Hz")]
     point = planned(Setting(SCENARIO, str(library), {}, {}), axes, ok).points[0]
     record = Record("done", "", (("a", math.inf, "m"), ("b", 0.1, "N")), 1.5, 7)

@@ -41,7 +41,7 @@ if __name__ == "__main__":
 def test_a_sweep_killed_half_way_goes_on_where_it_was(
     swept: Sweep, library: Path, tmp_path: Path, mark: str
 ) -> None:
-    """kill -9 at the third point: its workers end too, no point is lost, none is run twice."""
+    """kill -9 at the third point: its workers end too, every point is kept, none is run twice."""
     target = tmp_path / "out.nc"
     axis = "amplifier.frequency=15:22/8Hz"
     script = tmp_path / "script.py"
@@ -83,10 +83,10 @@ def test_signal_keeps_what_is_there(
         os.killpg(process.pid, signal.SIGINT)
         if number != signal.SIGINT:
             process.send_signal(number)
-        said = process.communicate()[1]
+        errors = process.communicate()[1]
         until(lambda: marked(mark) == [])
     assert process.returncode == 128 + number
-    assert said == f"resilin: stopped by {number.name}\n"
+    assert errors == f"resilin: stopped by {number.name}\n"
     with xarray.open_dataset(partial_path(target)) as read:
         status = list(read["status"].values)
         assert status.count("done") >= 3

@@ -63,7 +63,7 @@ def test_whole_numbers_are_bisected_into_whole_numbers() -> None:
 
 
 def test_refining_adds_points_at_the_peak(swept: Sweep, tmp_path: Path) -> None:
-    """They stand in order, are kept as others are, and the result says where the peak is."""
+    """They are in order and kept as others are, and the result has the place of the peak."""
     target = tmp_path / "out.nc"
     coarse = "amplifier.frequency=8:26/4Hz"
     data = swept(coarse, target=target, refine=STROKE, keep=True)
@@ -81,15 +81,15 @@ def test_refining_adds_points_at_the_peak(swept: Sweep, tmp_path: Path) -> None:
     xarray.testing.assert_identical(again, data)
 
 
-def test_what_cannot_be_refined_is_told(swept: Sweep, tmp_path: Path) -> None:
+def test_what_cannot_be_refined_is_refused(swept: Sweep, tmp_path: Path) -> None:
     target = tmp_path / "out.nc"
     frequencies = "amplifier.frequency=17,18,19Hz"
-    for axes, told in [
+    for axes, reason in [
         ([frequencies, "linkage.damping=0.1,0.2"], "over one axis"),
         (["amplifier.waveform=square,sine,half_wave_sine"], "takes texts"),
         (["amplifier.frequency=17,18Hz"], "fewer than three"),
     ]:
-        with pytest.raises(InputError, match=told):
+        with pytest.raises(InputError, match=reason):
             swept(*axes, target=target, refine=STROKE)
     with pytest.raises(InputError, match=r"did you mean 'flapping stroke'.*3 of 3 points"):
         swept(frequencies, target=target, refine="flaping stroke")

@@ -1,4 +1,4 @@
-"""Schedulers of others: that go away, and that are not there."""
+"""Schedulers at an address: that go away, and that are not there."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.orchestrator.studies.sweeps import SCENARIO, SHORT, Sweep, files
 from tests.processes import when
 
 
-def test_a_scheduler_that_goes_away_is_told(library: Path, tmp_path: Path) -> None:
+def test_a_scheduler_that_goes_away_is_reported(library: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.nc"
     made: Any = LocalCluster
     with made(
@@ -25,13 +25,13 @@ def test_a_scheduler_that_goes_away_is_told(library: Path, tmp_path: Path) -> No
         silence_logs=logging.CRITICAL,
     ) as own:
         axes = [parse_axis("amplifier.frequency=5:40/100Hz")]
-        told = r"gone.*; \d+ of 100 points are kept in .*points"
-        with when(lambda: files(target), own.close), pytest.raises(SimulationError, match=told):
+        reason = r"gone.*; \d+ of 100 points are kept in .*points"
+        with when(lambda: files(target), own.close), pytest.raises(SimulationError, match=reason):
             sweep(SCENARIO, axes, library, target, scheduler=own.scheduler_address, options=SHORT)
     assert files(target)
 
 
-def test_a_scheduler_that_is_not_there_is_told(
+def test_a_scheduler_that_is_not_there_is_reported(
     swept: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("orchestrator.studies.workers.dask_cluster.CONNECTING", 0.5)

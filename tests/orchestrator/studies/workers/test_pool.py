@@ -23,52 +23,52 @@ from tests.foreign.build import foreign
 from tests.orchestrator.studies.sweeps import SCENARIO, SHORT, STROKE, Sweep, files, ok
 from tests.processes import when
 
-SICK = f"""
+WITH_FAULTY = f"""
 extends = "{SCENARIO}"
 [master]
-order = ["amplifier", "actuator", "aero", "linkage", "sick"]
-[components.sick]
+order = ["amplifier", "actuator", "aero", "linkage", "faulty"]
+[components.faulty]
 fmu = "faulty.fmu"
 isolate = false
 start = {{ fault_time = "20 ms" }}
 [hold]
-"sick.u" = 1
+"faulty.u" = 1
 [record]
-variables = ["sick.y"]
+variables = ["faulty.y"]
 """
 CRASH, HANG, NAN, ERROR = "1", "2", "3", "9"
 HEALTHY = ("0", "11", "12", "17")
-"""Faults that FMI 2 does not know."""
+"""Faults that have no effect in FMI 2."""
 
 
 @pytest.fixture
-def sick(tmp_path: Path) -> Path:
-    """The flapping scenario beside a unit that fails on demand, in the worker's own process."""
+def with_faulty(tmp_path: Path) -> Path:
+    """The flapping scenario and an instance that fails on demand, in the worker's own process."""
     foreign("FAULTY", tmp_path)
-    path = tmp_path / "sick.toml"
-    path.write_text(SICK)
+    path = tmp_path / "with-faulty.toml"
+    path.write_text(WITH_FAULTY)
     return path
 
 
-def test_a_sick_point_costs_itself(swept: Sweep, sick: Path, tmp_path: Path) -> None:
-    """A crash, a hang, a number that is none and an error, between healthy neighbours."""
+def test_a_point_that_fails_fails_alone(swept: Sweep, with_faulty: Path, tmp_path: Path) -> None:
+    """A crash, a hang, a NaN and an error, between healthy neighbours."""
     target = tmp_path / "out.nc"
-    told = {
+    reasons = {
         HEALTHY[0]: "",
-        CRASH: "died twice",
+        CRASH: "ended twice",
         HEALTHY[1]: "",
         HANG: "no answer within 12 s",
         HEALTHY[2]: "",
         NAN: "not a finite number",
         HEALTHY[3]: "",
-        ERROR: "sick: step",
+        ERROR: "faulty: step",
     }
-    axis = f"sick.fault={','.join(told)}"
-    data = swept(axis, scenario=sick, target=target, patience=12.0)
-    healthy = np.array([not reason for reason in told.values()])
+    axis = f"faulty.fault={','.join(reasons)}"
+    data = swept(axis, scenario=with_faulty, target=target, patience=12.0)
+    healthy = np.array([not reason for reason in reasons.values()])
     assert list(data["status"].values) == list(np.where(healthy, "done", "failed"))
     assert (np.isfinite(data[STROKE].values) == healthy).all()
-    for reason, expected in zip(data["reason"].values, told.values(), strict=True):
+    for reason, expected in zip(data["reason"].values, reasons.values(), strict=True):
         assert expected in reason and bool(expected) == bool(reason)
     with xarray.open_dataset(target) as read:
         assert read.attrs["complete"] == 1
@@ -84,12 +84,12 @@ def test_a_worker_that_is_killed_costs_nothing(cluster: Any, swept: Sweep, tmp_p
 
 
 class Mortal:
-    """A task that ends its worker once, and what the next one does before it reports for work."""
+    """A task that ends its worker once, and what the next one does before it registers."""
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, preload: str) -> None:
-        self.died = folder / "died"
+        self.ended = folder / "ended"
         (folder / "preload.py").write_text(
-            f"import os, time\nif os.path.exists({str(self.died)!r}):\n    {preload}\n"
+            f"import os, time\nif os.path.exists({str(self.ended)!r}):\n    {preload}\n"
         )
         preloads = [*dask_cluster.PRELOADED, str(folder / "preload.py")]
         monkeypatch.setattr(dask_cluster, "PRELOADED", preloads)
@@ -98,15 +98,15 @@ class Mortal:
         monkeypatch.setattr(pool, "STARTS", 1)
 
     def answers(self, *points: int) -> list[tuple[int, Any]]:
-        """What becomes of points, on one worker of a cluster that dask would give up at once."""
-        died = str(self.died)
+        """Answers of points, on one worker of a cluster that dask would give up at once."""
+        ended = str(self.ended)
 
         def task(point: int) -> dict[str, Any]:
             import os
             from pathlib import Path
 
-            if not os.path.exists(died):  # noqa: PTH110
-                Path(died).touch()
+            if not os.path.exists(ended):  # noqa: PTH110
+                Path(ended).touch()
                 os._exit(1)
             return {"twice": 2 * point}
 
@@ -118,7 +118,7 @@ class Mortal:
 def test_a_worker_that_starts_slowly_is_waited_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Looked for far more often than a sweep looks where nobody is left."""
+    """It is looked for far more often than where no worker is left."""
     gate = tmp_path / "gate"
     looked = 0
     ask = dask_cluster.starting
@@ -144,7 +144,7 @@ def test_workers_that_end_before_they_report_are_not_waited_for(
         Mortal(tmp_path, monkeypatch, "os._exit(3)").answers(1, 2)
 
 
-def test_a_scheduler_without_workers_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheduler_without_workers_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pool, "LOOK", 0.01)
     monkeypatch.setattr(pool, "DESERTED", 2)
     made: Any = LocalCluster
@@ -160,8 +160,8 @@ def test_a_scheduler_without_workers_is_told(monkeypatch: pytest.MonkeyPatch) ->
         list(workers.answers([1], ok))
 
 
-def test_workers_with_other_files_are_told(cluster: Any, library: Path, tmp_path: Path) -> None:
-    """An FMU that changes between planning and running is no part of the sweep."""
+def test_workers_with_other_files_are_reported(cluster: Any, library: Path, tmp_path: Path) -> None:
+    """An FMU that changes between planning and running is not run."""
     own = tmp_path / "fmus"
     own.mkdir()
     for path in library.glob("*.fmu"):

@@ -1,4 +1,4 @@
-"""All curves in one log-log picture of error over wall time."""
+"""All curves in one log-log plot of error over wall time."""
 
 from __future__ import annotations
 

@@ -1,0 +1,64 @@
+"""An outcome as a card for a notebook: how the run went, its metrics, what was recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..errors import printable
+from ..report.notebook import LONGEST, Card
+from ..report.table import Cell, Column, Table, quantity
+from .metrics import metrics
+from .outcome import Outcome
+
+
+def card(outcome: Outcome) -> Card:
+    """Metrics over the last cycles; the recorded variables are folded away."""
+    plan = outcome.plan
+    title = printable(plan.scenario.title) or plan.path.stem
+    return Card(title, list(_lines(outcome)), list(_metrics(outcome)), [_recorded(outcome)])
+
+
+def _lines(outcome: Outcome) -> Iterator[str]:
+    if outcome.failure is not None:
+        yield f"stopped: {printable(str(outcome.failure), most=LONGEST)}; {outcome.kept} rows kept"
+    rejected = f" and {outcome.rejected} rejected" if outcome.rejected else ""
+    speed = outcome.simulated / outcome.wall_time
+    yield (
+        f"{outcome.steps} communication steps{rejected}, {outcome.simulated:.4g} s simulated in"
+        f" {outcome.wall_time:.2f} s, {speed:.3g} times real time"
+    )
+    if outcome.doubt:
+        yield f"no error estimate: {printable(outcome.doubt, most=LONGEST)}"
+
+
+def _metrics(outcome: Outcome) -> Iterator[Table]:
+    """The metrics, where there are any."""
+    found = metrics(outcome)
+    if found:
+        columns = [Column("metric"), Column("value", number=True)]
+        rows = [[Cell(m.name), quantity(m.value, m.shown)] for m in found]
+        yield Table("metrics", columns, rows)
+
+
+def _recorded(outcome: Outcome) -> Table:
+    """Every recorded variable, between what it was, and its estimated error where there is one.
+
+    Of a run that left memory in segments these are the rows that are still there.
+    """
+    estimates = outcome.estimates
+    columns = [
+        Column("variable"), Column("unit"), Column("least", number=True),
+        Column("greatest", number=True),
+    ]  # fmt: skip
+    if estimates is not None:
+        columns.append(Column("estimated error", number=True))
+    rows = []
+    for k, (component, variable) in enumerate(outcome.plan.records):
+        name, series = f"{component}.{variable.name}", outcome.rows[:, k]
+        ends = (series.min(), series.max()) if len(series) else ()
+        row = [Cell(printable(name)), Cell(printable(variable.unit))]
+        row += [Cell(f"{end:.4g}") for end in ends] or [Cell(""), Cell("")]
+        if estimates is not None:
+            row.append(Cell(f"{estimates[name].error:.2g}"))
+        rows.append(row)
+    return Table("recorded variables", columns, rows)
