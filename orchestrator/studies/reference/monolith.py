@@ -75,7 +75,7 @@ def _renamed(
             "wires": [],
             "hold": _held(MONOLITH),
             "record": Record(variables=records),
-            "metrics": Metrics(),
+            "metrics": Metrics(cycles=scenario.metrics.cycles),
             "plot": {},
             "master": MasterSettings(),
             "time": scenario.time.model_copy(update={"frequency": plan.frequency}),
