@@ -21,7 +21,7 @@ from orchestrator.simulation.observers import Guard, Recorder
 from orchestrator.simulation.run import run
 from orchestrator.simulation.system import System
 
-SCENARIOS = ("flapping-full-wings", "flapping-membrane", "oscillator-1", "dea-1")
+SCENARIOS = ("flapping-full-wings", "flapping-spring-full-wings", "oscillator-1", "dea-1")
 PER_CYCLE = (20, 100)
 CYCLES = 20
 REPEATS = 7
@@ -33,7 +33,7 @@ def main(names: list[str]) -> None:
     if reason := library.missing():
         sys.exit(f"there is no compiled loop here: {reason}")
     print(
-        f"{'scenario':22} {'per cycle':>9} {'calls':>7} {'C':>7} {'Python':>8}  of calls  real time"
+        f"{'scenario':30} {'per cycle':>9} {'calls':>7} {'C':>7} {'Python':>8}  of calls  real time"
     )
     for name in names or SCENARIOS:
         for per_cycle in PER_CYCLE:
@@ -42,7 +42,7 @@ def main(names: list[str]) -> None:
             calls, compiled, python = _calls(plan), _least(plan), _least(plan, python=True)
             real = plan.grid.step / compiled
             print(
-                f"{name:22} {per_cycle:9} {1e6 * calls:7.2f} {1e6 * compiled:7.2f}"
+                f"{name:30} {per_cycle:9} {1e6 * calls:7.2f} {1e6 * compiled:7.2f}"
                 f" {1e6 * python:8.1f}  {compiled / calls:8.2f}  {real:9.0f}"
             )
 
