@@ -76,7 +76,7 @@ static const char *special(double value)
     return value > 0 ? "inf" : "-inf";
 }
 
-/* ---- the part: each returns the cause of its failure, or NULL ---- */
+/* ---- the part: each changes the core or returns the cause why not ---- */
 
 static Input input_of(const Core *core)
 {
@@ -86,33 +86,36 @@ static Input input_of(const Core *core)
     return input;
 }
 
-static const char *initial(const Core *core, State *state)
+static const char *initial(Core *core)
 {
     Fault fault;
     const Input input = input_of(core);
     if (MARK(&fault))
         return fault.cause;
-    *state = PART_INITIAL(&fault, &core->params, &input, core->time);
+    const State state = PART_INITIAL(&fault, &core->params, &input, core->time);
+    core->state = state;
     return NULL;
 }
 
-static const char *advance(const Core *core, double time, double step, State *after)
+static const char *advance(Core *core, double time, double step)
 {
     Fault fault;
     const Input input = input_of(core);
     if (MARK(&fault))
         return fault.cause;
-    *after = PART_ADVANCE(&fault, &core->params, &core->state, &input, time, step);
+    const State state = PART_ADVANCE(&fault, &core->params, &core->state, &input, time, step);
+    core->state = state;
     return NULL;
 }
 
-static const char *outputs(const Core *core, Output *output)
+static const char *outputs(Core *core)
 {
     Fault fault;
     const Input input = input_of(core);
     if (MARK(&fault))
         return fault.cause;
-    *output = PART_OBSERVE(&fault, &core->params, &core->state, &input, core->time);
+    const Output output = PART_OBSERVE(&fault, &core->params, &core->state, &input, core->time);
+    memcpy(core->values + INPUTS + PARAMETERS, &output, sizeof output);
     return NULL;
 }
 
@@ -149,28 +152,24 @@ static int tuned(Instance *self, char *cause)
 
 static int initialised(Instance *self, char *cause)
 {
-    State state;
     if (!tuned(self, cause))
         return 0;
-    const char *words = initial(&self->core, &state);
+    const char *words = initial(&self->core);
     if (words) {
         snprintf(cause, LONGEST, "%s", words);
         return 0;
     }
-    self->core.state = state;
     self->core.begun = 1;
     return 1;
 }
 
 static int refreshed(Instance *self, char *cause)
 {
-    Output output;
-    const char *words = outputs(&self->core, &output);
+    const char *words = outputs(&self->core);
     if (words) {
         snprintf(cause, LONGEST, "%s", words);
         return 0;
     }
-    memcpy(self->core.values + INPUTS + PARAMETERS, &output, sizeof output);
     self->stale = 0;
     return 1;
 }
@@ -333,14 +332,12 @@ FMI2_EXPORT fmi2Status FMI2(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real
     Instance *self = c;
     Core *core = &self->core;
     char cause[LONGEST];
-    State after;
     if (sound(self, cause)) {
         core->time = time;
         const char *words = "the instance is not initialised";
         if (core->begun)
-            words = advance(core, time, step, &after);
+            words = advance(core, time, step);
         if (!words) {
-            core->state = after;
             core->time = self->reached = time + step;
             self->stale = 1;
             return fmi2OK;

@@ -22,7 +22,7 @@ from .errors import NativeError
 
 FLAGS = (
     "-std=c99",
-    "-O2",
+    "-O3",
     "-shared",
     "-fPIC",
     "-fvisibility=hidden",

@@ -77,11 +77,11 @@ typedef struct {
 /* An index within a length; negative ones count from the end. */
 static inline int64_t within(Fault *fault, int64_t index, int64_t count)
 {
-    if (index < 0)
-        index += count;
-    if (index < 0 || index >= count)
+    if ((uint64_t)index < (uint64_t)count)
+        return index;
+    if (index >= 0 || index < -count)
         fail(fault, OUT_OF_RANGE);
-    return index;
+    return index + count;
 }
 
 static inline Row row_of(Fault *fault, Table table, int64_t index)

@@ -51,7 +51,7 @@ class Context:
         self.bound: set[str] = set()
         self.places: dict[str, str] = {}
         self.parameters: frozenset[str] = frozenset()
-        self.loops: dict[str, str] = {}
+        self.loops: dict[str, int | None] = {}
         self.globals: set[str] = set()
         self.made = Made()
         self.indent = STEP

@@ -90,8 +90,8 @@ def _name(c: Context, node: ast.Name) -> Value:
         if name not in c.bound:
             c.refuse(node, f"{name} may have no value here")
         kind = c.kinds[name]
-        text = c.loops.get(name) or c.named(name)
-        return Value(text, kind, place=c.places.get(name, "variable"), simple=True)
+        place = c.places.get(name, "variable")
+        return Value(c.named(name), kind, place=place, simple=True, below=c.loops.get(name))
     if name not in vars(c.source.module):
         c.refuse(node, f"{name} is not known")
     return c.unit.global_value(c, node, c.source, name)
@@ -369,6 +369,8 @@ def _within(
         if not -length <= given < length:
             c.refuse(node, f"index {given} of `{_shown(node)}` is beyond {length} entries")
         return str(given % length), frozenset()
+    if index.below is not None and index.below <= length:
+        return index.text, frozenset()
     own = c.raising(frozenset({"OUT_OF_RANGE"}))
     return f"within(fault, {index.text}, {length})", own
 

@@ -201,7 +201,7 @@ class Statements:
         text = c.named(name)
         c.emit(f"for (int64_t {text} = 0; {text} < {limit.text}; {text}++) {{")
         bound = set(c.bound)
-        c.loops[name] = text
+        c.loops[name] = None if limit.constant is None else int(limit.constant)
         c.kinds[name] = WHOLE
         c.bound.add(name)
         self._inner(node.body, (*block[:-1], (block[-1][0], "body")))

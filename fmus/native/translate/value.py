@@ -17,8 +17,9 @@ class Value:
     """An expression.
 
     `causes` are the errors that it raises where it stands. `constant` is its value where that is
-    known. `place` says what the text of a struct is: "value", "variable" (which has an address),
-    "pointer". `simple` texts cost nothing to evaluate twice.
+    known; `below` is a length within which an index is sure to be. `place` says what the text of a
+    struct is: "value", "variable" (which has an address), "pointer". `simple` texts cost nothing to
+    evaluate twice.
     """
 
     text: str
@@ -28,6 +29,7 @@ class Value:
     constant: float | None = None
     place: str = "value"
     simple: bool = False
+    below: int | None = None
 
     def within(self, rank: int) -> str:
         """The text for a place that takes what holds together at least so tightly."""

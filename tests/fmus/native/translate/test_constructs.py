@@ -83,9 +83,9 @@ def test_docstrings_become_comments(both: Translated) -> None:
 
 
 def test_names_have_their_module_only_where_they_clash(both: Translated) -> None:
-    assert "static double scaled(" in both.source
-    assert "static double sibling_chosen(" in both.source
-    assert "static double sibling_free(" in both.source
+    assert "static inline double scaled(" in both.source
+    assert "static inline double sibling_chosen(" in both.source
+    assert "static inline double sibling_free(" in both.source
     assert "static const double sibling_SCALE = 3.0;" in both.source
 
 
