@@ -35,7 +35,7 @@ REPEATS = 9
 STEP = 1e-4
 PER_CYCLE = (20, 50, 100, 200, 400)
 CYCLES = 10
-SCENARIOS = ("flapping-full-wings", "flapping-membrane")
+SCENARIOS = ("flapping-full-wings", "flapping-spring-full-wings")
 EXCITED = {
     "force.value": 0.05,
     "force.stiffness": 300.0,

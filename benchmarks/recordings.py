@@ -28,9 +28,9 @@ CASES: dict[str, dict[str, tuple[list[str], str, str]]] = {
     },
     "flapping-full-wings": {
         "amplifier": (["top.voltage", "bottom.voltage"], "linkage.displacement", ""),
-        "spring": (["force.value"], "linkage.displacement", CHARGE),
+        "actuator": (["force.value"], "linkage.displacement", CHARGE),
         "aero": (["load.torque", "load.added_inertia"], "linkage.displacement", ""),
-        "linkage": (["motion.displacement", "motion.flap_angle"], "spring.force.value", ""),
+        "linkage": (["motion.displacement", "motion.flap_angle"], "actuator.force.value", ""),
     },
 }
 """Part -> columns that are the bare values of its ports, compared variable, and held inputs."""

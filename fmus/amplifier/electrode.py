@@ -82,6 +82,16 @@ def slope_at(law: Law, level: float, s: float) -> float:
     return slope
 
 
+def field_energy(law: Law, level: float, s: float) -> float:
+    """Energy [J] that charging from zero volts takes at this instant by the law: the integral of
+    V dQ, with dQ/dV = c + 3 B V^2."""
+    reference = law.reference_voltage
+    slope = law.capacitance + law.capacitance_rate * s
+    slope = slope - 3.0 * law.by_square * reference * reference
+    square = level * level
+    return (0.5 * slope + 0.75 * law.by_square * square) * square
+
+
 def voltage(law: Law, charge: float, s: float) -> float:
     """Voltage [V] at a charge, by Newton's method; one iteration where Q is linear in V."""
     level = law.reference_voltage

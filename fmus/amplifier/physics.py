@@ -16,128 +16,27 @@ import math
 from dataclasses import dataclass
 
 from ..law import elapsed
-from ..quantity import NO_REFERENCE, UNLIMITED, parameter, provided, received
+from ..quantity import UNLIMITED
+from .account import Account, Coenergy, lost, mark_of, work_until
 from .electrode import Electrode, Law, charge_at, charged, chord, frozen, voltage, voltage_rate
+from .interface import Input as Input
+from .interface import Output as Output
+from .interface import Params as Params
 from .relaxation import limited
-from .waveform import CHOICES, CONSTANT, EXTERNAL, SQUARE, envelope, next_edge, piece_end, shape
+from .waveform import CONSTANT, EXTERNAL, SQUARE, envelope, next_edge, piece_end, shape
 
 PHASE_STEP = 0.1
 LEAP = 0.02
-"""Change of voltage over the amplitude above which a curved charge law is cut into chords."""
+"""Change of voltage over the amplitude above which a piece is cut: a curved charge law into
+chords, and V^2 finely enough for its first moment."""
 
 MOST_PIECES = 10000.0
 
 
 @dataclass(frozen=True)
-class Params:
-    """Drive signal, amplifier and electrode; limits of 1e30 and above do not limit."""
-
-    waveform: float = parameter(
-        5.0, "1", "Waveform of the function generator", "printed: square, text", choices=CHOICES
-    )
-    amplitude: float = parameter(
-        1920.0, "V", "Amplitude", "printed: text", least=0.0, most=1.0e6, tunable=True
-    )
-    frequency: float = parameter(
-        18.0, "Hz", "Frequency", "printed: figure 11, peak with full wings", least=0.0
-    )
-    start_phase: float = parameter(0.0, "rad", "Phase of the top channel at t = 0", "chosen")
-    phase: float = parameter(
-        math.pi, "rad", "Phase of the bottom channel before the top one", "printed: 180 degrees"
-    )
-    bottom_ratio: float = parameter(
-        1.0,
-        "1",
-        "Amplitude of the bottom channel over that of the top one",
-        "printed: equal",
-        tunable=True,
-    )
-    soft_start: float = parameter(
-        0.0, "s", "Duration of the smooth rise at start", "chosen: none", least=0.0
-    )
-    bandwidth: float = parameter(
-        UNLIMITED, "Hz", "-3 dB bandwidth B of the amplifier", "assumed: no limit", least=1.0e-3
-    )
-    slew_rate: float = parameter(
-        UNLIMITED, "V/s", "Largest rate S of the output", "assumed: no limit", least=1.0e-3
-    )
-    current_limit: float = parameter(
-        UNLIMITED,
-        "A",
-        "Largest current per channel",
-        "assumed: no limit",
-        least=1.0e-12,
-        tunable=True,
-    )
-    power_limit: float = parameter(
-        UNLIMITED,
-        "W",
-        "Largest power per channel",
-        "assumed: no limit; the paper quotes 1 W for its amplifier",
-        least=1.0e-9,
-        tunable=True,
-    )
-    resistance: float = parameter(
-        1.0e5,
-        "Ohm",
-        "Resistance R of one electrode pair",
-        "assumed: the droop of table 2 at eight layers suits 0.1 to 0.2 MOhm",
-        least=0.0,
-        most=1.0e12,
-    )
-
-
-@dataclass(frozen=True)
-class Input:
-    """External command per channel, and the charge laws of both electrodes."""
-
-    command_top: float = received(0.0, "V", "External command, top channel", port="command")
-    command_bottom: float = received(0.0, "V", "External command, bottom channel", port="command")
-    top_charge: float = received(0.0, "C", "Charge at the reference voltage, top", port="top")
-    top_capacitance: float = received(3.24e-9, "F", "dQ/dV, top", port="top")
-    top_motional_current: float = received(
-        0.0, "A", "dQ/dx times velocity, top", port="top", order=1
-    )
-    top_capacitance_rate: float = received(0.0, "F/s", "Rate of dQ/dV, top", port="top", order=2)
-    top_capacitance_by_square: float = received(
-        0.0, "F/V2", "Derivative of Q/V by V^2, top", port="top", order=2
-    )
-    top_charge_curvature: float = received(
-        0.0, "A/s", "Coefficient of s^2 in the charge, top", port="top", order=2
-    )
-    top_reference_voltage: float = received(
-        0.0, "V", "Voltage at which the charge law holds, top", port="top"
-    )
-    top_charge_time: float = received(
-        NO_REFERENCE, "s", "Time at which the charge law holds, top", port="top", order=1
-    )
-    bottom_charge: float = received(
-        0.0, "C", "Charge at the reference voltage, bottom", port="bottom"
-    )
-    bottom_capacitance: float = received(3.24e-9, "F", "dQ/dV, bottom", port="bottom")
-    bottom_motional_current: float = received(
-        0.0, "A", "dQ/dx times velocity, bottom", port="bottom", order=1
-    )
-    bottom_capacitance_rate: float = received(
-        0.0, "F/s", "Rate of dQ/dV, bottom", port="bottom", order=2
-    )
-    bottom_capacitance_by_square: float = received(
-        0.0, "F/V2", "Derivative of Q/V by V^2, bottom", port="bottom", order=2
-    )
-    bottom_charge_curvature: float = received(
-        0.0, "A/s", "Coefficient of s^2 in the charge, bottom", port="bottom", order=2
-    )
-    bottom_reference_voltage: float = received(
-        0.0, "V", "Voltage at which the charge law holds, bottom", port="bottom"
-    )
-    bottom_charge_time: float = received(
-        NO_REFERENCE, "s", "Time at which the charge law holds, bottom", port="bottom", order=1
-    )
-
-
-@dataclass(frozen=True)
 class Channel:
-    """One channel: amplifier and electrode at the end of a step, and the step's V^2."""
+    """One channel: amplifier and electrode at the end of a step, the step's V^2, and energies:
+    supplied, lost, and the account of what went into motion."""
 
     drive: float
     charge: float
@@ -148,6 +47,14 @@ class Channel:
     peak_current: float
     supplied: float
     loss: float
+    delivered: float
+    told: float
+    mark_square: float
+    mark_power: float
+    mark_power_rate: float
+    mark_span: float
+    mark_area: float
+    mark_moment: float
 
 
 @dataclass(frozen=True)
@@ -163,6 +70,14 @@ class State:
     top_peak_current: float
     top_supplied: float
     top_loss: float
+    top_delivered: float
+    top_told: float
+    top_mark_square: float
+    top_mark_power: float
+    top_mark_power_rate: float
+    top_mark_span: float
+    top_mark_area: float
+    top_mark_moment: float
     bottom_drive: float
     bottom_charge: float
     bottom_voltage: float
@@ -172,38 +87,14 @@ class State:
     bottom_peak_current: float
     bottom_supplied: float
     bottom_loss: float
-
-
-@dataclass(frozen=True)
-class Output:
-    """Voltage laws, currents and energies."""
-
-    top_voltage: float = provided("V", "Voltage, top", port="top", least=-1.0e7, most=1.0e7)
-    top_voltage_rate: float = provided("V/s", "dV/dt, top", port="top", order=1)
-    top_square_curvature: float = provided(
-        "V2/s2", "Coefficient of s^2 in V^2(t), top", port="top", order=2
-    )
-    top_voltage_time: float = provided(
-        "s", "Time at which the voltage holds, top", port="top", order=1
-    )
-    bottom_voltage: float = provided(
-        "V", "Voltage, bottom", port="bottom", least=-1.0e7, most=1.0e7
-    )
-    bottom_voltage_rate: float = provided("V/s", "dV/dt, bottom", port="bottom", order=1)
-    bottom_square_curvature: float = provided(
-        "V2/s2", "Coefficient of s^2 in V^2(t), bottom", port="bottom", order=2
-    )
-    bottom_voltage_time: float = provided(
-        "s", "Time at which the voltage holds, bottom", port="bottom", order=1
-    )
-    top_current: float = provided("A", "Current into the top electrode")
-    bottom_current: float = provided("A", "Current into the bottom electrode")
-    top_peak_current: float = provided("A", "Largest current of the last step, top")
-    bottom_peak_current: float = provided("A", "Largest current of the last step, bottom")
-    electrode_charge: float = provided("C", "Charge on both electrodes together")
-    supplied_energy: float = provided("J", "Energy delivered by the amplifier's output")
-    dissipated_energy: float = provided("J", "Loss in the electrode resistance")
-    next_event_time: float = provided("s", "Time of the next edge; 1e30 without one")
+    bottom_delivered: float
+    bottom_told: float
+    bottom_mark_square: float
+    bottom_mark_power: float
+    bottom_mark_power_rate: float
+    bottom_mark_span: float
+    bottom_mark_area: float
+    bottom_mark_moment: float
 
 
 def drive_phase(p: Params, side: float) -> float:
@@ -267,6 +158,19 @@ def law_of(u: Input, side: float) -> Law:
     return law
 
 
+def coenergy_of(u: Input, side: float) -> Coenergy:
+    """The co-energy on the input of one channel."""
+    if side > 0.0:
+        return Coenergy(
+            value=u.top_coenergy, rate=u.top_coenergy_rate, curvature=u.top_coenergy_curvature
+        )
+    return Coenergy(
+        value=u.bottom_coenergy,
+        rate=u.bottom_coenergy_rate,
+        curvature=u.bottom_coenergy_curvature,
+    )
+
+
 def unconnected(u: Input, side: float, charge: float) -> bool:
     """Whether nothing is there to be charged, and nothing ever was.
 
@@ -278,18 +182,26 @@ def unconnected(u: Input, side: float, charge: float) -> bool:
     return charge == 0.0 and u.bottom_capacitance == 0.0 and u.bottom_charge == 0.0
 
 
-def idle(drive: float, supplied: float, loss: float) -> Channel:
+def idle(c: Channel) -> Channel:
     """A channel that nothing is connected to."""
     return Channel(
-        drive=drive,
+        drive=c.drive,
         charge=0.0,
         voltage=0.0,
         voltage_rate=0.0,
         square_curvature=0.0,
         current=0.0,
         peak_current=0.0,
-        supplied=supplied,
-        loss=loss,
+        supplied=c.supplied,
+        loss=c.loss,
+        delivered=c.delivered,
+        told=c.told,
+        mark_square=c.mark_square,
+        mark_power=c.mark_power,
+        mark_power_rate=c.mark_power_rate,
+        mark_span=c.mark_span,
+        mark_area=c.mark_area,
+        mark_moment=c.mark_moment,
     )
 
 
@@ -320,26 +232,26 @@ def substeps(p: Params, t: float, span: float, curved: bool) -> float:
     return float(count)
 
 
-def advance_channel(
-    p: Params,
-    u: Input,
-    side: float,
-    drive: float,
-    charge: float,
-    supplied: float,
-    loss: float,
-    t: float,
-    h: float,
-) -> Channel:
+def advance_channel(p: Params, u: Input, side: float, c: Channel, t: float, h: float) -> Channel:
     """One channel over [t, t + h], cut at the edges of its drive."""
-    if unconnected(u, side, charge):
-        return idle(drive, supplied, loss)
+    if unconnected(u, side, c.charge):
+        return idle(c)
     moving = law_of(u, side)
     age = law_age(u, side, t)
     law = frozen(moving, age + 0.5 * h)
     offset = drive_phase(p, side)
+    drive = c.drive
+    w = coenergy_of(u, side)
+    mark = mark_of(moving, w, age)
+    entry = account_of(c)
+    moment = 0.0
     e = Electrode(
-        charge=charge, current=0.0, peak_current=0.0, square=0.0, supplied=supplied, loss=loss
+        charge=c.charge,
+        current=0.0,
+        peak_current=0.0,
+        square=0.0,
+        supplied=c.supplied,
+        loss=lost(entry, moving, w, c.charge, c.supplied, c.loss, age),
     )
     ideal = p.bandwidth >= UNLIMITED and p.slew_rate >= UNLIMITED
     lag = max(1.0 / (2.0 * math.pi * p.bandwidth), 1.0e-12)
@@ -353,11 +265,9 @@ def advance_channel(
         if pieces > MOST_PIECES:
             raise ValueError("the communication step spans more than 10000 edges of the drive")
         inside = 0.5 * (piece_start + end)
-        curved = False
-        if moving.by_square != 0.0:
-            aim = command(p, u, side, end, inside)
-            here = voltage(moving, e.charge, age + (piece_start - t))
-            curved = math.fabs(aim - here) > LEAP * p.amplitude
+        aim = command(p, u, side, end, inside)
+        here = voltage(moving, e.charge, age + (piece_start - t))
+        curved = math.fabs(aim - here) > LEAP * p.amplitude
         count = substeps(p, piece_start, end - piece_start, curved)
         span = (end - piece_start) / count
         for i in range(int(count)):
@@ -387,11 +297,16 @@ def advance_channel(
             if moving.by_square != 0.0:
                 last = v0 + (v1 + v2 * span) * span
                 law = chord(moving, e.charge, last, since + 0.5 * span)
+            before = e.square
             e = charged(e, law, since, p.resistance, bound, v0, v1, v2, span)
+            moment = moment + (e.square - before) * (start - t + 0.5 * span)
         piece_start = end
     ended = voltage(moving, e.charge, age + h)
     rate = voltage_rate(moving, ended, e.current, age + h)
     line = ended * ended - ended * rate * h
+    told = c.told
+    if w.value != 0.0:
+        told = 1.0
     return Channel(
         drive=drive,
         charge=e.charge,
@@ -402,6 +317,14 @@ def advance_channel(
         peak_current=e.peak_current,
         supplied=e.supplied,
         loss=e.loss,
+        delivered=c.delivered + work_until(entry, mark),
+        told=told,
+        mark_square=mark.square,
+        mark_power=mark.power,
+        mark_power_rate=mark.power_rate,
+        mark_span=h,
+        mark_area=e.square,
+        mark_moment=moment,
     )
 
 
@@ -424,6 +347,14 @@ def joined(top: Channel, bottom: Channel) -> State:
         top_peak_current=top.peak_current,
         top_supplied=top.supplied,
         top_loss=top.loss,
+        top_delivered=top.delivered,
+        top_told=top.told,
+        top_mark_square=top.mark_square,
+        top_mark_power=top.mark_power,
+        top_mark_power_rate=top.mark_power_rate,
+        top_mark_span=top.mark_span,
+        top_mark_area=top.mark_area,
+        top_mark_moment=top.mark_moment,
         bottom_drive=bottom.drive,
         bottom_charge=bottom.charge,
         bottom_voltage=bottom.voltage,
@@ -433,15 +364,22 @@ def joined(top: Channel, bottom: Channel) -> State:
         bottom_peak_current=bottom.peak_current,
         bottom_supplied=bottom.supplied,
         bottom_loss=bottom.loss,
+        bottom_delivered=bottom.delivered,
+        bottom_told=bottom.told,
+        bottom_mark_square=bottom.mark_square,
+        bottom_mark_power=bottom.mark_power,
+        bottom_mark_power_rate=bottom.mark_power_rate,
+        bottom_mark_span=bottom.mark_span,
+        bottom_mark_area=bottom.mark_area,
+        bottom_mark_moment=bottom.mark_moment,
     )
 
 
 def uncharged(p: Params, u: Input, side: float, t: float) -> Channel:
     """Channel at V = 0, its amplifier at 0 too."""
-    if unconnected(u, side, 0.0):
-        return idle(0.0, 0.0, 0.0)
-    law = law_of(u, side)
-    charge = charge_at(law, 0.0, law_age(u, side, t))
+    charge = 0.0
+    if not unconnected(u, side, 0.0):
+        charge = charge_at(law_of(u, side), 0.0, law_age(u, side, t))
     return Channel(
         drive=0.0,
         charge=charge,
@@ -452,6 +390,14 @@ def uncharged(p: Params, u: Input, side: float, t: float) -> Channel:
         peak_current=0.0,
         supplied=0.0,
         loss=0.0,
+        delivered=0.0,
+        told=0.0,
+        mark_square=0.0,
+        mark_power=0.0,
+        mark_power_rate=0.0,
+        mark_span=0.0,
+        mark_area=0.0,
+        mark_moment=0.0,
     )
 
 
@@ -460,13 +406,68 @@ def initial(p: Params, u: Input, t: float) -> State:
     return joined(uncharged(p, u, 1.0, t), uncharged(p, u, -1.0, t))
 
 
+def channel(x: State, side: float) -> Channel:
+    """One channel of the state."""
+    if side > 0.0:
+        return Channel(
+            drive=x.top_drive,
+            charge=x.top_charge,
+            voltage=x.top_voltage,
+            voltage_rate=x.top_voltage_rate,
+            square_curvature=x.top_square_curvature,
+            current=x.top_current,
+            peak_current=x.top_peak_current,
+            supplied=x.top_supplied,
+            loss=x.top_loss,
+            delivered=x.top_delivered,
+            told=x.top_told,
+            mark_square=x.top_mark_square,
+            mark_power=x.top_mark_power,
+            mark_power_rate=x.top_mark_power_rate,
+            mark_span=x.top_mark_span,
+            mark_area=x.top_mark_area,
+            mark_moment=x.top_mark_moment,
+        )
+    return Channel(
+        drive=x.bottom_drive,
+        charge=x.bottom_charge,
+        voltage=x.bottom_voltage,
+        voltage_rate=x.bottom_voltage_rate,
+        square_curvature=x.bottom_square_curvature,
+        current=x.bottom_current,
+        peak_current=x.bottom_peak_current,
+        supplied=x.bottom_supplied,
+        loss=x.bottom_loss,
+        delivered=x.bottom_delivered,
+        told=x.bottom_told,
+        mark_square=x.bottom_mark_square,
+        mark_power=x.bottom_mark_power,
+        mark_power_rate=x.bottom_mark_power_rate,
+        mark_span=x.bottom_mark_span,
+        mark_area=x.bottom_mark_area,
+        mark_moment=x.bottom_mark_moment,
+    )
+
+
+def account_of(c: Channel) -> Account:
+    """The account of a channel, as of its last communication point."""
+    return Account(
+        delivered=c.delivered,
+        told=c.told,
+        square=c.mark_square,
+        power=c.mark_power,
+        power_rate=c.mark_power_rate,
+        span=c.mark_span,
+        area=c.mark_area,
+        moment=c.mark_moment,
+    )
+
+
 def advance(p: Params, x: State, u: Input, t: float, h: float) -> State:
     """Both channels after `h` [s]."""
     return joined(
-        advance_channel(p, u, 1.0, x.top_drive, x.top_charge, x.top_supplied, x.top_loss, t, h),
-        advance_channel(
-            p, u, -1.0, x.bottom_drive, x.bottom_charge, x.bottom_supplied, x.bottom_loss, t, h
-        ),
+        advance_channel(p, u, 1.0, channel(x, 1.0), t, h),
+        advance_channel(p, u, -1.0, channel(x, -1.0), t, h),
     )
 
 

@@ -35,7 +35,7 @@ class Params:
     coupler: float = parameter(18.0e-3, "m", "Length of the coupler, L4", PRINTED, least=1.0e-6)
     rocker: float = parameter(5.0e-3, "m", "Length of the rocker, L5", PRINTED, least=1.0e-6)
     slider_mass: float = parameter(
-        7.158e-3,
+        7.145e-3,
         "kg",
         "Mass of slider and links, lumped at the slider",
         "calibrated: figure 11, 34 Hz without wings",
@@ -49,15 +49,15 @@ class Params:
         least=0.0,
     )
     damping: float = parameter(
-        0.1654,
+        0.0,
         "N.s/m",
         "Viscous damping at the slider",
-        "calibrated: figure 11, 96 degrees without wings",
+        "chosen: none, the loss is dry friction",
         least=0.0,
         tunable=True,
     )
     joint_friction: float = parameter(
-        0.2914,
+        0.1476,
         "1",
         "Friction coefficient on the wing load, joints and slider guide together",
         "calibrated: figure 11, 83 degrees with frames",
@@ -66,7 +66,12 @@ class Params:
         tunable=True,
     )
     coulomb_friction: float = parameter(
-        0.0, "N", "Friction force independent of load", "assumed: none", least=0.0, tunable=True
+        0.24626,
+        "N",
+        "Friction force independent of load",
+        "calibrated: figure 11, 96 degrees without wings; depends on the actuator",
+        least=0.0,
+        tunable=True,
     )
     friction_velocity: float = parameter(
         5.0e-3, "m/s", "Velocity over which friction changes sign", "assumed", least=1.0e-9

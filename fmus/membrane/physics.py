@@ -129,6 +129,16 @@ class Cone:
     slack: float
 
 
+@dataclass(frozen=True)
+class Electric:
+    """What the voltage adds to -Pi [J] and its derivatives by h: the co-energy, the integral of
+    Q dV from zero volts at this height."""
+
+    energy: float
+    force: float
+    stiffness: float
+
+
 _TOP = ("top.voltage", "top.voltage_rate", "top.voltage_time")
 _BOTTOM = ("bottom.voltage", "bottom.voltage_rate", "bottom.voltage_time")
 _ALL = ("top", "bottom", "motion")
@@ -202,6 +212,27 @@ class Output:
         order=2,
         depends=(*_TOP, "motion"),
     )
+    top_coenergy: float = provided(
+        "J",
+        "Integral of Q dV up to the reference voltage, top cone",
+        port="top",
+        order=1,
+        depends=(*_TOP, "motion"),
+    )
+    top_coenergy_rate: float = provided(
+        "W",
+        "Rate of the co-energy by the motion, top cone",
+        port="top",
+        order=1,
+        depends=(*_TOP, "motion"),
+    )
+    top_coenergy_curvature: float = provided(
+        "W/s",
+        "Coefficient of the squared time in the co-energy, top cone",
+        port="top",
+        order=2,
+        depends=(*_TOP, "motion"),
+    )
     top_reference_voltage: float = provided(
         "V", "Voltage at which the top charge law holds", port="top", depends=_TOP
     )
@@ -238,6 +269,27 @@ class Output:
     bottom_charge_curvature: float = provided(
         "A/s",
         "Coefficient of the squared time in the charge law, bottom cone",
+        port="bottom",
+        order=2,
+        depends=(*_BOTTOM, "motion"),
+    )
+    bottom_coenergy: float = provided(
+        "J",
+        "Integral of Q dV up to the reference voltage, bottom cone",
+        port="bottom",
+        order=1,
+        depends=(*_BOTTOM, "motion"),
+    )
+    bottom_coenergy_rate: float = provided(
+        "W",
+        "Rate of the co-energy by the motion, bottom cone",
+        port="bottom",
+        order=1,
+        depends=(*_BOTTOM, "motion"),
+    )
+    bottom_coenergy_curvature: float = provided(
+        "W/s",
+        "Coefficient of the squared time in the co-energy, bottom cone",
         port="bottom",
         order=2,
         depends=(*_BOTTOM, "motion"),
@@ -307,6 +359,18 @@ def cone(p: Params, height: float, square: float) -> Cone:
         stiffness_by_square=by_height / b * e * gxxe,
         force_by_square_twice=by_height * e * e * gxee,
         slack=slack,
+    )
+
+
+def electric(p: Params, height: float, square: float, whole: Cone) -> Electric:
+    """The voltage's share of a cone, given the whole of it."""
+    if square == 0.0:
+        return Electric(energy=0.0, force=0.0, stiffness=0.0)
+    passive = cone(p, height, 0.0)
+    return Electric(
+        energy=passive.energy - whole.energy,
+        force=passive.force - whole.force,
+        stiffness=passive.stiffness - whole.stiffness,
     )
 
 
@@ -414,6 +478,8 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
     )
     top = cone(p, 0.5 * p.spacer + displacement, vt * vt)
     bottom = cone(p, 0.5 * p.spacer - displacement, vb * vb)
+    top_share = electric(p, 0.5 * p.spacer + displacement, vt * vt, top)
+    bottom_share = electric(p, 0.5 * p.spacer - displacement, vb * vb, bottom)
 
     eta = x.loss_stiffness
     before = branches(now)
@@ -458,6 +524,10 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         top_capacitance_by_square=-2.0 * top.by_square_twice,
         top_charge_curvature=-vt
         * (top.stiffness_by_square * velocity * velocity + top.force_by_square * acceleration),
+        top_coenergy=top_share.energy,
+        top_coenergy_rate=top_share.force * velocity,
+        top_coenergy_curvature=0.5
+        * (top_share.stiffness * velocity * velocity + top_share.force * acceleration),
         top_reference_voltage=vt,
         top_charge_time=t,
         bottom_charge=bottom_charge,
@@ -471,6 +541,10 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         * (
             bottom.stiffness_by_square * velocity * velocity - bottom.force_by_square * acceleration
         ),
+        bottom_coenergy=bottom_share.energy,
+        bottom_coenergy_rate=-bottom_share.force * velocity,
+        bottom_coenergy_curvature=0.5
+        * (bottom_share.stiffness * velocity * velocity - bottom_share.force * acceleration),
         bottom_reference_voltage=vb,
         bottom_charge_time=t,
         elastic_energy=potentials + field + spring,

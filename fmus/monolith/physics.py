@@ -212,7 +212,7 @@ def _observed(p: Any, x: Any, u: Any, t: float) -> dict[str, Any]:
     y = equations.Vector(*_ENTRIES(x))
     top, bottom = equations.voltages(c, y)
     rates = right_hand_side(c, _drive(u), t)(t, _ENTRIES(y))
-    channels = {
+    channels = dict.fromkeys((field.name for field in dataclasses.fields(amplifier.State)), 0.0) | {
         f"{side}_{name}": value
         for side, voltage, current in (("top", top, rates[2]), ("bottom", bottom, rates[3]))
         for name, value in (

@@ -146,6 +146,27 @@ class Output:
         order=2,
         depends=(*_TOP, "motion"),
     )
+    top_coenergy: float = provided(
+        "J",
+        "Integral of Q dV up to the reference voltage, top cone",
+        port="top",
+        order=1,
+        depends=(*_TOP, "motion"),
+    )
+    top_coenergy_rate: float = provided(
+        "W",
+        "Rate of the co-energy by the motion, top cone",
+        port="top",
+        order=1,
+        depends=(*_TOP, "motion.velocity"),
+    )
+    top_coenergy_curvature: float = provided(
+        "W/s",
+        "Coefficient of the squared time in the co-energy, top cone",
+        port="top",
+        order=2,
+        depends=(*_TOP, "motion"),
+    )
     top_reference_voltage: float = provided(
         "V", "Voltage at which the top charge law holds", port="top", depends=_TOP
     )
@@ -181,6 +202,27 @@ class Output:
     bottom_charge_curvature: float = provided(
         "A/s",
         "Coefficient of the squared time in the charge law, bottom cone",
+        port="bottom",
+        order=2,
+        depends=(*_BOTTOM, "motion"),
+    )
+    bottom_coenergy: float = provided(
+        "J",
+        "Integral of Q dV up to the reference voltage, bottom cone",
+        port="bottom",
+        order=1,
+        depends=(*_BOTTOM, "motion"),
+    )
+    bottom_coenergy_rate: float = provided(
+        "W",
+        "Rate of the co-energy by the motion, bottom cone",
+        port="bottom",
+        order=1,
+        depends=(*_BOTTOM, "motion.velocity"),
+    )
+    bottom_coenergy_curvature: float = provided(
+        "W/s",
+        "Coefficient of the squared time in the co-energy, bottom cone",
         port="bottom",
         order=2,
         depends=(*_BOTTOM, "motion"),
@@ -307,6 +349,9 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         top_capacitance_rate=2.0 * slope * velocity,
         top_capacitance_by_square=0.0,
         top_charge_curvature=slope * acceleration * top,
+        top_coenergy=0.5 * top_capacitance * top * top,
+        top_coenergy_rate=slope * velocity * top * top,
+        top_coenergy_curvature=0.5 * slope * acceleration * top * top,
         top_reference_voltage=top,
         top_charge_time=t,
         bottom_charge=bottom_capacitance * bottom,
@@ -315,6 +360,9 @@ def observe(p: Params, x: State, u: Input, t: float) -> Output:
         bottom_capacitance_rate=-2.0 * slope * velocity,
         bottom_capacitance_by_square=0.0,
         bottom_charge_curvature=-slope * acceleration * bottom,
+        bottom_coenergy=0.5 * bottom_capacitance * bottom * bottom,
+        bottom_coenergy_rate=-slope * velocity * bottom * bottom,
+        bottom_coenergy_curvature=-0.5 * slope * acceleration * bottom * bottom,
         bottom_reference_voltage=bottom,
         bottom_charge_time=t,
         elastic_energy=0.5 * p.stiffness * displacement * displacement,

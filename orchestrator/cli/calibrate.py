@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from . import common
+
+if TYPE_CHECKING:
+    from ..simulation.interrupt import Interrupt
+    from ..studies.calibration import Fit
 
 
 def add_to(app: typer.Typer) -> None:
@@ -24,6 +29,9 @@ def calibrate(
     refit: Annotated[
         bool, typer.Option(help="Fit again; else the shipped values are evaluated.")
     ] = True,
+    profile: Annotated[
+        bool, typer.Option(help="Fit at each share of the fits' profiles instead; takes minutes.")
+    ] = False,
     fmus: common.Library = common.BUILT,
     native: common.Native = None,
     json: common.Json = False,
@@ -31,7 +39,7 @@ def calibrate(
 ) -> None:
     """Fit parameters to the paper's data again; show errors, sensitivities and spreads.
 
-    Example: resilin calibrate vehicle --no-refit --native
+    Example: resilin calibrate vehicle vehicle-long-rocker --no-refit --native
     """
     from ..simulation.interrupt import Interrupt
     from ..studies.calibration import calibrate as study_calibrate
@@ -39,6 +47,12 @@ def calibrate(
     from ..studies.calibration.table import data, facts, parameters, sensitivities
 
     shown = sys.stderr.isatty() and not (quiet or json)
+    tell = (lambda text: typer.echo(text, err=True)) if shown else None
+    if profile:
+        with Interrupt() as interrupt, common.reported():
+            fits = [one for one in load_fits(file or shipped(), fit) if one.profile or fit]
+            _profile(fits, common.library(fmus, native), interrupt, tell, json, quiet)
+        return
     with Interrupt() as interrupt, common.reported():
         library = common.library(fmus, native)
         found = [
@@ -47,7 +61,7 @@ def calibrate(
                 library,
                 refit=refit,
                 interrupt=interrupt,
-                tell=(lambda text: typer.echo(text, err=True)) if shown else None,
+                tell=tell,
             )
             for one in load_fits(file or shipped(), fit)
         ]
@@ -63,3 +77,21 @@ def calibrate(
             values = ", ".join(f"{value:.3g}" for value in one.singular)
             typer.echo(f"singular values of the sensitivities: {values}")
             typer.echo(f"{one.runs} runs in {one.wall_time:.1f} s; {one.message}")
+
+
+def _profile(
+    fits: Sequence[Fit], library: Path, interrupt: Interrupt, tell: Callable[[str], None] | None,
+    json: bool, quiet: bool,
+) -> None:  # fmt: skip
+    """The profiles of these fits, as tables or for scripts."""
+    from rich.console import Console
+
+    from ..studies.calibration import profile
+    from ..studies.calibration.table import point_facts, points
+
+    found = [(fit, profile(fit, library, interrupt, tell)) for fit in fits]
+    if json:
+        common.print_json([point_facts(fit, each) for fit, each in found])
+    elif not quiet:
+        for fit, each in found:
+            Console().print(points(fit, each))

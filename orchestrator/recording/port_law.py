@@ -36,6 +36,8 @@ ORDERS = {
     **dict.fromkeys(("motional_current", "charge_time", "quadratic_drag", "reference_rate"), 1),
     **dict.fromkeys(("curvature", "square_curvature", "capacitance_rate"), 2),
     **dict.fromkeys(("capacitance_by_square", "charge_curvature"), 2),
+    **dict.fromkeys(("coenergy", "coenergy_rate"), 1),
+    "coenergy_curvature": 2,
     **dict.fromkeys(("quadratic_drag_slope", "added_inertia_slope"), 2),
 }
 """How much of a law a member carries: 1 affine, 2 curvature; 0 where it is not named here."""

@@ -39,14 +39,15 @@ class Datum(Named):
 
     A datum that is `held_out` is not fitted but predicted. `set`, `stop` and `step` change the
     scenario; the paper's number is `share` times the metric, one half for an amplitude of a travel.
-    `within` is how well it is known, relative: it counts by the inverse.
+    `within` is how well it is known, relative: it counts by the inverse. One without a
+    `value` has not been measured.
     """
 
     where: Text
     scenario: Text
     metric: Text
     of: Literal["place", "height", "value"]
-    value: Quantity
+    value: Quantity | None = None
     over: Text = ""
     between: tuple[Quantity, Quantity] | None = None
     set: dict[str, Quantity] = {}
@@ -60,7 +61,21 @@ class Datum(Named):
     def _ranged(self) -> Self:
         if (self.of == "value") == bool(self.over and self.between):
             raise ValueError("a peak needs over and between, a value neither")
+        if self.value is None and not self.held_out:
+            raise ValueError("value: is missing; only a datum that is held out may have none")
         return self
+
+
+class Profile(Named):
+    """A start value that is set to shares of `value`, all parameters fitted again at each.
+
+    It is none of the fit's own parameters: the data do not fix it beside them.
+    """
+
+    sets: Text
+    scenarios: Annotated[list[Text], Field(min_length=1)]
+    value: Quantity
+    shares: Annotated[list[Annotated[float, Field(gt=0.0)]], Field(min_length=2)]
 
 
 class Fit(Named):
@@ -69,6 +84,7 @@ class Fit(Named):
     title: Text = ""
     parameters: Annotated[list[Parameter], Field(min_length=1)]
     data: Annotated[list[Datum], Field(min_length=1)]
+    profile: Profile | None = None
 
     @model_validator(mode="after")
     def _determined(self) -> Self:

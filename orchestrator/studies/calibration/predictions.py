@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from ...simulation.load import load
 from ...simulation.run import run
 from ...units import UnitError, si_value
 from ..sweep.peak import Peak, middles, peak_of
-from .fits import Datum, Fit, Parameter
+from .fits import Datum, Fit, Parameter, Profile
 
 FIRST = 7
 """Runs over the range of a peak, before it is refined."""
@@ -41,11 +42,13 @@ class Model:
         self.start = [self._si(parameter, parameter.value) for parameter in fit.parameters]
         self.low = [self._si(parameter, parameter.low) for parameter in fit.parameters]
         self.high = [self._si(parameter, parameter.high) for parameter in fit.parameters]
-        self.paper = [si_value(datum.value, _unit(self._plans[datum.scenario], datum))
-                      for datum in fit.data]  # fmt: skip
+        self.paper = [self._paper(datum) for datum in fit.data]
 
-    def values(self, parameters: Sequence[float]) -> list[float]:
-        """Each datum as the scenarios have it; `SimulationError` where a run stops."""
+    def values(self, parameters: Sequence[float], share: float | None = None) -> list[float]:
+        """Each datum as the scenarios have it; `SimulationError` where a run stops.
+
+        `share` is that of the fit's profile; None leaves the scenarios as they are.
+        """
         known: dict[tuple[Any, ...], Peak] = {}
         found = []
         for datum in self.fit.data:
@@ -57,7 +60,7 @@ class Model:
                 tuple(datum.set.items()),
             )
             if key not in known:
-                known[key] = self._peak(datum, parameters)
+                known[key] = self._peak(datum, parameters, share)
             peak = known[key]
             found.append(peak.at if datum.of == "place" else datum.share * peak.value)
         return found
@@ -73,7 +76,7 @@ class Model:
             found.append(float(value) / parameter.times.get(scenario, 1.0))  # type: ignore[arg-type]
         return found
 
-    def _si(self, parameter: Parameter, value: float | str) -> float:
+    def _si(self, parameter: Parameter | Profile, value: float | str) -> float:
         component, _, name = parameter.sets.partition(".")
         plan = self._plans.get(parameter.scenarios[0])
         if plan is None or component not in plan.interfaces:
@@ -86,12 +89,20 @@ class Model:
         except UnitError as error:
             raise InputError(f"{parameter.name}: {error}") from None
 
-    def _peak(self, datum: Datum, parameters: Sequence[float]) -> Peak:
+    def _paper(self, datum: Datum) -> float:
+        """The paper's value [SI]; NaN where it has none."""
+        unit = _unit(self._plans[datum.scenario], datum)
+        return math.nan if datum.value is None else si_value(datum.value, unit)
+
+    def _peak(self, datum: Datum, parameters: Sequence[float], share: float | None) -> Peak:
         """The metric as the scenario stands, or its peak over a range, bisected beside it."""
         changes: dict[str, Any] = dict(datum.set)
         for parameter, value in zip(self.fit.parameters, parameters, strict=True):
             if datum.scenario in parameter.scenarios:
                 changes[parameter.sets] = value * parameter.times.get(datum.scenario, 1.0)
+        profile = self.fit.profile
+        if profile is not None and share is not None and datum.scenario in profile.scenarios:
+            changes[profile.sets] = share * self._si(profile, profile.value)
         if datum.between is None:
             return Peak(0.0, self._metric(datum, changes))
         low, high = (si_value(end, "Hz") for end in datum.between)

@@ -105,13 +105,18 @@ def calibrate(
             tell(f"{model.runs} runs, largest error {np.abs(values / paper - 1.0)[used].max():.2e}")
         return np.asarray(((values / paper - 1.0) / within)[used])
 
+    def slopes(logs: Values) -> Values:
+        here = residuals(logs)
+        step = NUDGE * np.eye(len(logs))
+        return np.array([(residuals(logs + each) - here) / NUDGE for each in step]).T
+
     logs, message = np.zeros(len(shipped)), "not fitted again"
     if refit:
         from scipy.optimize import least_squares
 
         bounds = (np.log(np.array(model.low) / shipped), np.log(np.array(model.high) / shipped))
         found = least_squares(
-            residuals, logs, bounds=bounds, diff_step=NUDGE, x_scale=0.1, xtol=1e-4, ftol=1e-8,
+            residuals, logs, jac=slopes, bounds=bounds, x_scale=0.1, xtol=1e-4, ftol=1e-8,
             max_nfev=12,
         )  # fmt: skip
         logs, message = found.x, str(found.message)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...errors import printable
+from .fits import Datum, Fit
+from .profile import Point
 from .study import Calibration
 
 if TYPE_CHECKING:
@@ -31,12 +35,39 @@ def data(found: Calibration) -> Table:
     """Each datum: the paper's value, and how far ours is off."""
     from rich.table import Table
 
-    made = Table("datum", "of", "paper", "error", "")
+    made = Table("datum", "of", "paper", "ours (SI)", "error", "")
     for k, datum in enumerate(found.fit.data):
         role = "predicted" if datum.held_out else "fitted"
-        error = f"{found.errors[k]:+.2%}"
-        made.add_row(printable(datum.name), printable(datum.where), f"{datum.value}", error, role)
+        stated, error = f"{datum.value}", f"{found.errors[k]:+.2%}"
+        if datum.value is None:
+            stated, error = "-", "-"
+        made.add_row(
+            printable(datum.name),
+            printable(datum.where),
+            stated,
+            f"{found.after[k]:.4g}",
+            error,
+            role,
+        )
     return made
+
+
+def points(fit: Fit, found: Sequence[Point]) -> Table:
+    """A profile: the parameters fitted at each share, and the data that were not."""
+    from rich.table import Table
+
+    assert fit.profile is not None
+    made = Table(title=printable(fit.profile.name), title_justify="left")
+    for label in ("share", *(p.name for p in fit.parameters), *(d.name for d in _told(fit))):
+        made.add_column(printable(label))
+    for point in found:
+        told = [value for d, value in zip(fit.data, point.data, strict=True) if d.held_out]
+        made.add_row(f"{point.share:g}", *(f"{v:.4g}" for v in (*point.parameters, *told)))
+    return made
+
+
+def _told(fit: Fit) -> list[Datum]:
+    return [datum for datum in fit.data if datum.held_out]
 
 
 def sensitivities(found: Calibration) -> Table:
@@ -66,9 +97,9 @@ def facts(found: Calibration) -> dict[str, Any]:
         },
         "data": {
             d.name: {
-                "paper": found.paper[k],
+                "paper": _number(found.paper[k]),
                 "ours": found.after[k],
-                "error": found.errors[k],
+                "error": _number(found.errors[k]),
                 "held_out": d.held_out,
                 "sensitivity": {
                     p.name: float(s)
@@ -78,8 +109,28 @@ def facts(found: Calibration) -> dict[str, Any]:
             for k, d in enumerate(fit.data)
         },
         "singular_values": found.singular.tolist(),
+        "covariance": found.covariance.tolist(),
         "correlation": found.correlation.tolist(),
         "runs": found.runs,
         "wall_time": found.wall_time,
         "message": found.message,
     }  # fmt: skip
+
+
+def point_facts(fit: Fit, found: Sequence[Point]) -> dict[str, Any]:
+    """A profile for scripts, SI."""
+    assert fit.profile is not None
+    return {
+        "profile": fit.profile.name,
+        "shares": [point.share for point in found],
+        "parameters": {
+            p.name: [float(point.parameters[k]) for point in found]
+            for k, p in enumerate(fit.parameters)
+        },
+        "data": {d.name: [float(point.data[k]) for point in found] for k, d in enumerate(fit.data)},
+    }
+
+
+def _number(value: float) -> float | None:
+    """JSON has no NaN."""
+    return float(value) if math.isfinite(value) else None

@@ -17,7 +17,7 @@ from ...scenario.component_options import component_of
 from ...scenario.library import LIBRARY
 from ...scenario.parse import load_scenario
 from ...scenario.plan import Plan, interface_of
-from ...scenario.schema import Component, MasterSettings, Record, Scenario, Time, Wire
+from ...scenario.schema import Component, MasterSettings, Metrics, Record, Scenario, Time, Wire
 from ...simulation.load import planned
 
 RECORDED = "recording"
@@ -173,7 +173,7 @@ def _within(asked: Asked, component: Component, recording: Recording) -> tuple[S
     return scenario.model_copy(
         update={
             "components": {RECORDED: component, **kept}, "wires": wires, "hold": hold,
-            "actions": [], "faults": [], "without": [],
+            "actions": [], "faults": [], "without": [], "metrics": Metrics(), "plot": {},
             "master": scenario.master.model_copy(update={"order": []}),
             "time": Time(frequency=recording.frequency or scenario.time.frequency),
         }

@@ -30,7 +30,7 @@ TITLE = "Animation: a cycle at 18 Hz"
 KEPT = (
     "linkage.displacement", "linkage.velocity", "linkage.flap_angle", "linkage.flap_rate",
     "aero.angle_of_attack", "amplifier.*.voltage", "amplifier.supplied_energy",
-    "spring.force.value", "profile.*_shape.*",
+    "actuator.force.value", "profile.*_shape.*",
 )  # fmt: skip
 
 

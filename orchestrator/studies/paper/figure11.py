@@ -42,9 +42,9 @@ def figure11(cached_runs: CachedRuns) -> Comparison:
             ),
         ]
     words = (
-        "Square waves of 1920 V half a cycle apart drive the eight-layer stack, here as a linear"
-        " spring with a V^2 force. Five of the six numbers were used for calibration (see the"
-        " marks); the stroke with full wings was not.",
+        "Square waves of 1920 V half a cycle apart drive the eight-layer stack: the film of the"
+        " bench, with dry friction in the mechanism. Five of the six numbers were used for"
+        " calibration (see the marks); the stroke with full wings was not.",
     )
     curves = [
         Curve(name, s.frequencies, [math.degrees(v) for v in s.values(stroke)], "line-points")

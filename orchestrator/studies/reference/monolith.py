@@ -15,7 +15,7 @@ from ...results.outcome import Outcome
 from ...scenario.files import is_file
 from ...scenario.library import LIBRARY, PYTHON, is_library
 from ...scenario.plan import Plan, check, fmu_path
-from ...scenario.schema import Component, MasterSettings, Record, Scenario
+from ...scenario.schema import Component, MasterSettings, Metrics, Record, Scenario
 
 MONOLITH = "monolith"
 
@@ -75,6 +75,8 @@ def _renamed(
             "wires": [],
             "hold": _held(MONOLITH),
             "record": Record(variables=records),
+            "metrics": Metrics(cycles=scenario.metrics.cycles),
+            "plot": {},
             "master": MasterSettings(),
             "time": scenario.time.model_copy(update={"frequency": plan.frequency}),
         }

@@ -27,7 +27,7 @@ def energy(p: physics.Params, x: physics.State) -> float:
 
 @pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e10])
 def test_hard_stops_at_three_times_the_drive_close_the_energy(stiffness: float) -> None:
-    p = physics.Params(stop_stiffness=stiffness, wing_inertia=8.2e-8)
+    p = physics.Params(stop_stiffness=stiffness, wing_inertia=8.2e-8, damping=0.1654)
     x = physics.initial(p, physics.Input(), 0.0)
     h = 1.0 / 18.0 / 100
     furthest = 0.0
@@ -43,7 +43,9 @@ def test_hard_stops_at_three_times_the_drive_close_the_energy(stiffness: float) 
 
 
 def test_without_loss_the_energy_stays_for_a_thousand_cycles() -> None:
-    p = physics.Params(damping=0.0, joint_friction=0.0, start_displacement=1e-3, resolution=0.05)
+    p = physics.Params(
+        joint_friction=0.0, coulomb_friction=0.0, start_displacement=1e-3, resolution=0.05
+    )
     u = physics.Input(force_stiffness=331.0)
     x = physics.initial(p, u, 0.0)
     begin = 0.5 * 331.0 * x.displacement**2

@@ -32,7 +32,8 @@ def test_without_drops_wires_holds_and_records(tmp_path: Path) -> None:
     scenario = tmp_path / "bare.toml"
     scenario.write_text(
         'extends = "flapping-full-wings"\nwithout = ["aero"]\n'
-        '[hold]\n"linkage.load.torque" = 0\n[master]\norder = ["amplifier", "spring", "linkage"]\n'
+        '[hold]\n"linkage.load.torque" = 0\n'
+        '[master]\norder = ["amplifier", "actuator", "linkage"]\n'
     )
     scenario, _ = load_scenario(scenario)
     assert "aero" not in scenario.components

@@ -20,7 +20,7 @@ from orchestrator.studies.reference.monolith import monolithic
     [
         ("oscillator-1", "interface-newton"),
         ("flapping-full-wings", "gauss-seidel"),
-        ("flapping-membrane", "gauss-seidel"),
+        ("flapping-spring-full-wings", "gauss-seidel"),
     ],
 )
 def test_a_scenario_gives_the_same_bits(

@@ -17,7 +17,7 @@ from ..job import Job, plan_of, start_of
 from ..metrics import lift, net, stroke
 from ..published_values import given
 
-PROTOTYPE = "flapping-full-wings"
+PROTOTYPE = "flapping-spring-full-wings"
 TITLE = "Beyond: what hovering would take"
 DRIVES = (1380.0, 1920.0, 2700.0)
 LAYERS = (8, 16, 32, 64)
@@ -62,16 +62,16 @@ class Vehicle:
     def sweep(self, prototype: Plan) -> Sweep:
         """Frequencies about the resonance that small motion would have."""
         times, wings = self.times, (self.length / LENGTHS[0]) ** 4
-        stiffness = times * start_of(prototype, "spring.stiffness")
+        stiffness = times * start_of(prototype, "actuator.stiffness")
         slider = start_of(prototype, "linkage.slider_mass") + FILM * (self.layers - LAYERS[0])
         inertia = wings * start_of(prototype, "linkage.wing_inertia")
         moving = slider + (inertia + wings * ADDED) * LEVER**2
         middle = math.sqrt(stiffness / moving) / math.tau
         changes = {
             "amplifier.amplitude": self.drive,
-            "spring.stiffness": stiffness,
+            "actuator.stiffness": stiffness,
             **{
-                f"spring.{name}": times * start_of(prototype, f"spring.{name}")
+                f"actuator.{name}": times * start_of(prototype, f"actuator.{name}")
                 for name in ("damping", "blocked_force", "capacitance")
             },
             "linkage.slider_mass": slider,
@@ -124,12 +124,13 @@ def hovering(cached_runs: CachedRuns) -> Comparison:
     stable = [f for f in found if f.vehicle.drive < PULL_IN]
     best, most = max(stable, key=lambda f: f.share), max(found, key=lambda f: f.share)
     words = (
-        "The vehicle of figure 11 with more layers, longer wings and other voltages: stiffness,"
-        " damping, force and capacitance in proportion to the layers, the force to the square of"
-        " the voltage, the wings' inertia to the fourth power of their length, 25.35 mg for each"
-        " layer that the slider moves. The lift is that of the assumed quasi-steady coefficients at"
-        " the frequency where it is largest. It is held against the weight of the two cones alone,"
-        " 0.12 g a layer as the paper has it: frame, gear, amplifier and battery come on top.",
+        "The vehicle of figure 11 on the linear spring, with more layers, longer wings and other"
+        " voltages: stiffness, damping, force and capacitance in proportion to the layers, the"
+        " force to the square of the voltage, the wings' inertia to the fourth power of their"
+        " length, 25.35 mg for each layer that the slider moves. The lift is that of the assumed"
+        " quasi-steady coefficients at the frequency where it is largest. It is held against the"
+        " weight of the two cones alone, 0.12 g a layer as the paper has it: frame, gear,"
+        " amplifier and battery come on top.",
         f"With what the film stands, the best of these lifts {100 * best.share:.0f} % of its own"
         f" cones: {_said(best)}. Above {1e-3 * PULL_IN:g} kV the film of the paper has no stable"
         " cone, so the curves of 2700 V stand for a film of twice the force; the best of them"

@@ -115,7 +115,7 @@ at = "2 cycles"
 set = { "amplifier.amplitude" = "1000 V" }
 [[actions]]
 at = "2 cycles"
-set = { "aero.density" = "0.6 kg/m^3" }
+set = { "aero.air_density" = "0.6 kg/m3" }
 """
 
 FAULTY = """
@@ -217,12 +217,12 @@ def test_steps_by_tolerance_of_foreign_instances(
     """In this process and isolated, with rollback by doubling and without by foresight."""
     mass = shelf("MASS", version, rollback=rollback)
     for isolate in (False, True):
-        keys = {"start": {"position": 1.0}, "isolate": isolate}
+        keys = {"start": {"start_displacement": 1.0, "stiffness": 40.0}, "isolate": isolate}
         path = scenario(
             tmp_path,
             part("one", mass, **keys),
-            part("two", mass, isolate=isolate),
-            wires("one.position -> two.force", "two.position -> one.force * -1.0"),
+            part("two", mass, start={"stiffness": 90.0}, isolate=isolate),
+            wires("one.displacement -> two.force", "two.displacement -> one.force * -1.0"),
             stop=1.0,
             step=0.01,
             more="tolerance = 1e-3",

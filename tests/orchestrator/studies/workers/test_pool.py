@@ -26,7 +26,7 @@ from tests.processes import when
 WITH_FAULTY = f"""
 extends = "{SCENARIO}"
 [master]
-order = ["amplifier", "spring", "aero", "linkage", "faulty"]
+order = ["amplifier", "actuator", "aero", "linkage", "faulty"]
 [components.faulty]
 fmu = "faulty.fmu"
 isolate = false
