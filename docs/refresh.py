@@ -31,7 +31,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-BUILT = ROOT / "build" / "fmus"
+BUILT = ROOT / "build"
 PATIENCE = 300.0
 """Longest that one block may run [s]."""
 
@@ -76,11 +76,16 @@ def pages() -> list[Path]:
 
 
 def prepare(folder: Path, built: Path) -> None:
-    """Put into a page's folder what its commands expect there; `built` holds the parts."""
-    library = folder / "build" / "fmus"
-    library.mkdir(parents=True)
-    for path in built.glob("*.fmu"):
-        shutil.copy(path, library)
+    """Put into a page's folder what its commands expect there.
+
+    `built` holds the parts, or folders of them for each kind, as `build/` does.
+    """
+    kinds = [path for path in (built / "fmus", built / "native") if path.is_dir()]
+    for kind in kinds or [built]:
+        library = folder / "build" / (kind.name if kinds else "fmus")
+        library.mkdir(parents=True)
+        for path in kind.glob("*.fmu"):
+            shutil.copy(path, library)
     (folder / "docs").symlink_to(ROOT / "docs")
     shutil.copy(ROOT / "build_fmus.py", folder)
     shutil.copytree(ROOT / "fmus", folder / "fmus", ignore=shutil.ignore_patterns("__pycache__"))
