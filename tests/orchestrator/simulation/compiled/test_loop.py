@@ -104,7 +104,7 @@ def test_thinned_rows_and_a_last_stretch(native: Path, both: Both) -> None:
 
 
 ACTING = """
-extends = "flapping-full-wings"
+extends = "flapping-spring-full-wings"
 [time]
 stop = "4 cycles"
 [[actions]]
