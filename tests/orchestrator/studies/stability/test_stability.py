@@ -120,8 +120,8 @@ def test_shipped_cases_are_whole(library: Path) -> None:
     [
         ("cases = 3", "cases"),
         ("[[cases]]\nname = 'a'", "scenario: Field required"),
-        (CASES + CASES, "two cases are called easy, gone, light"),
-        ("[[cases]]\nname = 'a'\nscene = {}\nper_cycle = [0]", "per_cycle.0"),
+        (CASES + CASES, "more than one is called easy, gone, light"),
+        ("[[cases]]\nname = 'a'\nscenario = {}\nper_cycle = [0]", "per_cycle.0"),
         ("[[cases", "not TOML"),
     ],
 )
@@ -135,13 +135,14 @@ def test_a_bad_list_is_refused(tmp_path: Path, text: str, reason: str) -> None:
 def test_all_problems_of_all_cases_at_once(library: Path, tmp_path: Path) -> None:
     file = tmp_path / "bad.toml"
     file.write_text(
-        '[[cases]]\nname = "a"\nscene = { extends = "oscillator-9" }\n'
-        '[[cases]]\nname = "b"\nscene = { extends = "oscillator-1" }\nset = { "spring.mass" = 1 }\n'
+        '[[cases]]\nname = "a"\nscenario = { extends = "oscillator-9" }\n'
+        '[[cases]]\nname = "b"\nscenario = { extends = "oscillator-1" }\n'
+        'set = { "spring.mass" = 1 }\n'
     )
     with pytest.raises(ScenarioError) as caught:
         stability(load_cases(file), file, library)
     assert [p.split(":")[0] for p in caught.value.problems] == ["case a", "case b"]
-    with pytest.raises(ScenarioError, match=r"no case 'c'; there are a, b"):
+    with pytest.raises(ScenarioError, match=r"cases: no 'c'; there are a, b"):
         load_cases(file, ["c"])
 
 
