@@ -86,7 +86,7 @@ def test_text_is_a_parameter(version: int, shelf: Shelf, tmp_path: Path) -> None
         if taken:
             ran(path)
             continue
-        with pytest.raises(InitialisationError, match=r"a: fmi\dSetString: error: no text"):
+        with pytest.raises(InitialisationError, match=r"a: fmi\dSetString: error: not a text"):
             ran(path)
 
 
