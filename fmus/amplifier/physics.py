@@ -19,7 +19,9 @@ from ..law import elapsed
 from ..quantity import UNLIMITED
 from .account import Account, Coenergy, lost, mark_of, work_until
 from .electrode import Electrode, Law, charge_at, charged, chord, frozen, voltage, voltage_rate
-from .interface import Input, Output, Params
+from .interface import Input as Input
+from .interface import Output as Output
+from .interface import Params as Params
 from .relaxation import limited
 from .waveform import CONSTANT, EXTERNAL, SQUARE, envelope, next_edge, piece_end, shape
 
