@@ -72,6 +72,16 @@ def given(name: str) -> Any:
     return _read("numbers")["given"][name]
 
 
+def readings() -> list[dict[str, Any]]:
+    """Readings of figure 11, with verdicts and reasons."""
+    return list(_read("readings")["readings"])
+
+
+def profile() -> dict[str, Any]:
+    """Profile of the vehicle's fit over the share of the film's force: see its file."""
+    return _read("profile")
+
+
 def keys(item: str) -> list[str]:
     """Names of all that the paper states for one item."""
     return [f"{item}.{name}" for name in _read("numbers").get(item, {})]

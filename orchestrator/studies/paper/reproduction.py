@@ -21,6 +21,7 @@ from .figure8 import figure8
 from .figure9 import figure9
 from .figure11 import figure11
 from .figure13 import figure13
+from .readings import vehicle_readings
 from .table1 import table1
 from .table2 import table2
 
@@ -39,6 +40,7 @@ COMPARISONS: dict[str, Callable[[CachedRuns], Comparison]] = {
 
 BEYOND: dict[str, Callable[[CachedRuns], Comparison]] = {
     "animation": flight,
+    "readings": vehicle_readings,
     "membrane": membrane,
     "superharmonic": superharmonic,
     "electrode": electrode,
