@@ -128,15 +128,8 @@ def _stepped(
         rejected = 0
         begun = perf_counter()
         try:
-            if points is not None or tolerance is None:
-                taken = _grid_points(plan) if points is None else points
-                if reason:
-                    steps = _in_python(system, master, watching, interrupt, points)
-                else:
-                    steps = drive(system, master, watching, interrupt, points)
-            else:
-                controlled = adaptive if reason else drive_controlled
-                taken, steps, rejected = controlled(system, master, tolerance, watching, interrupt)
+            looped = _in_python if reason else _in_c
+            taken, steps, rejected = looped(system, master, watching, interrupt, points)
         except (SimulationError, OutputError, Interrupted) as error:
             failure = error
             steps = max((m.instance.steps for m in system.instances), default=0)
@@ -165,17 +158,39 @@ def _stepped(
     )
 
 
+Stepped = tuple[Sequence[float], int, int]
+"""Communication points, steps and rejections of a run."""
+
+
 def _in_python(
     system: System,
     master: Master,
     watching: Sequence[Watcher],
     interrupt: Interrupt | None,
     points: Sequence[float] | None,
-) -> int:
-    """The loop in Python, over the grid or over given points: number of steps."""
-    if points is None:
-        return advance(system, master, watching, interrupt)
-    return along(system, master, points, watching, interrupt)
+) -> Stepped:
+    """Step over given points, the grid, or by the scenario's tolerance; the loop in Python."""
+    tolerance = system.plan.scenario.time.tolerance
+    if points is not None:
+        return points, along(system, master, points, watching, interrupt), 0
+    if tolerance is not None:
+        return adaptive(system, master, tolerance, watching, interrupt)
+    return _GridPoints(system.plan), advance(system, master, watching, interrupt), 0
+
+
+def _in_c(
+    system: System,
+    master: Master,
+    watching: Sequence[Watcher],
+    interrupt: Interrupt | None,
+    points: Sequence[float] | None,
+) -> Stepped:
+    """The same by the compiled loop."""
+    tolerance = system.plan.scenario.time.tolerance
+    if points is None and tolerance is not None:
+        return drive_controlled(system, master, tolerance, watching, interrupt)
+    taken = _GridPoints(system.plan) if points is None else points
+    return taken, drive(system, master, watching, interrupt, points), 0
 
 
 class _GridPoints(Sequence[float]):
@@ -191,10 +206,6 @@ class _GridPoints(Sequence[float]):
         if isinstance(index, slice):
             return [self._grid.point(k) for k in range(*index.indices(len(self)))]
         return self._grid.point(range(len(self))[index])
-
-
-def _grid_points(plan: Plan) -> Sequence[float]:
-    return _GridPoints(plan)
 
 
 def advance(
