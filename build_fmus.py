@@ -268,7 +268,7 @@ def build_command(
             raise BuildError("--as names one FMU: give exactly one part")
         if (changes or data) and not alias:
             raise BuildError("--set and --data make a variant: name it with --as")
-        kinds = _kinds(True if platform else native, into)
+        kinds = _kinds(native, into)
         done = [
             (
                 kind,

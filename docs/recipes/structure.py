@@ -18,7 +18,7 @@ BASE = "{http://ssp-standard.org/SSP1/SystemStructure"
 SSD, SSV = f"{BASE}Description}}", f"{BASE}ParameterValues}}"
 CYCLES, PER_CYCLE, FREQUENCY = 10, 100, 18.0
 STEP = 1.0 / FREQUENCY / PER_CYCLE
-"""The scenario that recipes run: flapping-full-wings, ten cycles of 18 Hz."""
+"""The scenario that recipes run: flapping-spring-full-wings, ten cycles of 18 Hz."""
 
 
 @dataclass

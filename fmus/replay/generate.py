@@ -131,7 +131,7 @@ def _fields(outputs: Sequence[ReplayedOutput]) -> dict[str, ReplayedOutput]:
     made: dict[str, ReplayedOutput] = {}
     for output in outputs:
         if not NAME.fullmatch(output.name) or (output.port and not NAME.fullmatch(output.port)):
-            raise ValueError(f"{output.name!r} is no name of a variable")
+            raise ValueError(f"{output.name!r} is not the name of a variable")
         if output.unit:
             exponents(output.unit)
         field = re.sub(r"\W+", "_", output.name).strip("_") or "x"

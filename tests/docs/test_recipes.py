@@ -25,7 +25,8 @@ UNRUN = {"omsimulator"}
 """Its package cannot be installed from the index alone."""
 SEQUENTIAL = {"cofmpy", "pathsim_fmi", "toolbox"}
 TOOLS = sorted({p.stem.removeprefix("with_") for p in RECIPES.glob("with_*.py")} - UNRUN)
-SCENARIO = "flapping-full-wings"
+SCENARIO = "flapping-spring-full-wings"
+"""On the film a parallel master extrapolates the square edge beyond the table."""
 TIME = {"stop": "10 cycles", "step": {"per_cycle": 100}}
 ANGLE = "linkage.flap_angle"
 
@@ -36,12 +37,12 @@ def stroke(angles: np.ndarray) -> float:
 
 
 @pytest.fixture(scope="module")
-def archives(library: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def archives(native: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """The scenario with plain numbers and with whole ports."""
     folder = tmp_path_factory.mktemp("recipes")
     made = {}
     for laws in ("held", "curvature"):
-        plan = load(SCENARIO, None, library, time=TIME, master={"laws": laws})
+        plan = load(SCENARIO, None, native, time=TIME, master={"laws": laws})
         made[laws] = folder / f"{laws}.ssp"
         write_ssp(Package(plan, {}), made[laws])
     return made

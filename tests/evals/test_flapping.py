@@ -140,6 +140,7 @@ def test_a_film_at_full_voltage_takes_eighty(library: Path, scenario: str) -> No
     assert against_monolith(library, scenario, "curvature", 80, 6) < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "steps"),
     [*((f"{FILM}-{c}", 100) for c in CASES), *((f"{LONG}-{c}", 200) for c in CASES)],
@@ -151,6 +152,7 @@ def test_a_film_under_square_waves_takes_a_hundred_or_two(
     assert against_monolith(library, scenario, "curvature", steps, 6) < 1e-3
 
 
+@pytest.mark.slow
 def test_the_sign_of_dry_friction_is_resolved(library: Path) -> None:
     """Between 100 and 400 steps the error falls by more than the second order."""
     coarse, fine = (

@@ -15,7 +15,7 @@ from fmus.native.translate import unit
 from fmus.native.translate.source import source_of
 
 ROOT = Path(fmus.__file__).parent
-EXEMPT = {"monolith", "native"}
+EXEMPT = {"monolith", "native", "export"}
 BUILD_TIME = {
     *("__init__.py", "slave.py", "film.py", "ritz_solver.py", "surrogate.py", "tables.py"),
     *("data.py", "generate.py"),

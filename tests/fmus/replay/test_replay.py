@@ -185,7 +185,7 @@ def test_a_heading_is_never_code(tmp_path: Path, heading: str) -> None:
         ),
         (["--recording", "bench.csv", "--as", "b", "--set", "b.interpolation=spline"], "'held'"),
         (["--recording", "bench.csv", "--as", "b", "--set", "b.columns.W=w"], "no column 'W'"),
-        (["--recording", "bench.csv", "--as", "b", "--set", "b.columns.y=1y"], "no name of a"),
+        (["--recording", "bench.csv", "--as", "b", "--set", "b.columns.y=1y"], "not the name of a"),
         (["--recording", "bench.csv", "--as", "b", "--set", "b.start.x=1"], "means nothing"),
         (["--recording", "gap.csv", "--as", "b"], "line 3.*has no value"),
         (["--recording", "warm.csv", "--as", "b"], "degC needs an offset"),

@@ -18,47 +18,19 @@ from orchestrator.fmi.instance import Limits, open_instance
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from orchestrator.simulation.system import System
-from tests.foreign.scenarios import Shelf, each_version, hold, part, ran, ring, scenario, wires
+from tests.foreign.scenarios import (
+    Shelf,
+    each_version,
+    hold,
+    masses,
+    part,
+    ran,
+    ring,
+    scenario,
+)
 from tests.processes import hosts
 
 pytestmark = pytest.mark.usefixtures("mark")
-
-
-def masses(
-    folder: Path,
-    shelf: Shelf,
-    versions: tuple[int, int] = (2, 2),
-    *,
-    master: str = "interface-newton",
-    more: str = "",
-    isolate: bool | None = None,
-    rollback: bool = True,
-    stop: float = 1.5,
-) -> Path:
-    """Two unit masses on springs of 3 N/m to the ground, and one of 2 N/m between them."""
-    mass = shelf("MASS", versions[0], rollback=rollback)
-    pair = shelf("PAIR", versions[1], rollback=rollback)
-    keys = {} if isolate is None else {"isolate": isolate}
-    return scenario(
-        folder,
-        f'[master]\nkind = "{master}"',
-        part("a", mass, start={"start_displacement": 1.0}, **keys),
-        part("b", mass, **keys),
-        part("pair", pair, start={"stiffness": 2.0, "ground_stiffness": 3.0}, **keys),
-        wires(
-            *(
-                wire
-                for mass, port in (("a", "first"), ("b", "second"))
-                for wire in (
-                    f"{mass}.displacement -> pair.{port}.displacement",
-                    f"{mass}.velocity -> pair.{port}.velocity",
-                    f"pair.{port}.value -> {mass}.force",
-                )
-            )
-        ),
-        stop=stop,
-        more=more,
-    )
 
 
 @pytest.mark.parametrize(

@@ -202,7 +202,7 @@ def test_another_tool_finds_no_fault_with_the_connections(native: Path, tmp_path
     write_ssp(Package(load("flapping-full-wings", None, native), {}), path)
     with SSP(path, mode="r") as archive, archive.system_structure as ssd:
         faults = ssd.check_connections()
-        assert len(ssd.connections()) == 44
+        assert len(ssd.connections()) == 50
         assert not faults
 
 

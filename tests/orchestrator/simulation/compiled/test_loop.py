@@ -16,7 +16,7 @@ from orchestrator.scenario.plan import Plan
 from orchestrator.simulation.compiled import drive, library
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import replay, run
-from tests.foreign.scenarios import Shelf, part, scenario, wires
+from tests.foreign.scenarios import Shelf, masses
 
 Both = Callable[..., tuple[Outcome, Outcome]]
 MASTERS = ("gauss-seidel", "jacobi", "extrapolated")
@@ -215,18 +215,11 @@ def test_steps_by_tolerance_of_foreign_instances(
     shelf: Shelf, tmp_path: Path, both: Both, version: int, rollback: bool
 ) -> None:
     """In this process and isolated, with rollback by doubling and without by foresight."""
-    mass = shelf("MASS", version, rollback=rollback)
     for isolate in (False, True):
-        keys = {"start": {"start_displacement": 1.0, "stiffness": 40.0}, "isolate": isolate}
-        path = scenario(
-            tmp_path,
-            part("one", mass, **keys),
-            part("two", mass, start={"stiffness": 90.0}, isolate=isolate),
-            wires("one.displacement -> two.force", "two.displacement -> one.force * -1.0"),
-            stop=1.0,
-            step=0.01,
-            more="tolerance = 1e-3",
-        )
+        path = masses(
+            tmp_path, shelf, (version, version), master="gauss-seidel", isolate=isolate,
+            rollback=rollback, stop=0.5, more="tolerance = 1e-3",
+        )  # fmt: skip
         compiled, python = both(load(path))
         assert_same(compiled, python)
         assert compiled.rejected == python.rejected
