@@ -46,11 +46,11 @@ class Mark:
 class Account:
     """Work up to a mark [J], the mark, and integrals of V^2 and of t V^2 over the span since.
 
-    `told` is 1 once a co-energy has come through the port.
+    `coupled` is 1 once a co-energy has come through the port.
     """
 
     delivered: float
-    told: float
+    coupled: float
     square: float
     power: float
     power_rate: float
@@ -122,7 +122,7 @@ def lost(
 
     What is `known` by the resistance's own heat stays where no co-energy comes.
     """
-    if a.told == 0.0 and w.value == 0.0:
+    if a.coupled == 0.0 and w.value == 0.0:
         return known
     work = a.delivered + work_until(a, mark_of(law, w, age))
     return supplied - stored(law, w, charge, age) - work

@@ -48,7 +48,7 @@ class Channel:
     supplied: float
     loss: float
     delivered: float
-    told: float
+    coupled: float
     mark_square: float
     mark_power: float
     mark_power_rate: float
@@ -71,7 +71,7 @@ class State:
     top_supplied: float
     top_loss: float
     top_delivered: float
-    top_told: float
+    top_coupled: float
     top_mark_square: float
     top_mark_power: float
     top_mark_power_rate: float
@@ -88,7 +88,7 @@ class State:
     bottom_supplied: float
     bottom_loss: float
     bottom_delivered: float
-    bottom_told: float
+    bottom_coupled: float
     bottom_mark_square: float
     bottom_mark_power: float
     bottom_mark_power_rate: float
@@ -195,7 +195,7 @@ def idle(c: Channel) -> Channel:
         supplied=c.supplied,
         loss=c.loss,
         delivered=c.delivered,
-        told=c.told,
+        coupled=c.coupled,
         mark_square=c.mark_square,
         mark_power=c.mark_power,
         mark_power_rate=c.mark_power_rate,
@@ -304,9 +304,9 @@ def advance_channel(p: Params, u: Input, side: float, c: Channel, t: float, h: f
     ended = voltage(moving, e.charge, age + h)
     rate = voltage_rate(moving, ended, e.current, age + h)
     line = ended * ended - ended * rate * h
-    told = c.told
+    coupled = c.coupled
     if w.value != 0.0:
-        told = 1.0
+        coupled = 1.0
     return Channel(
         drive=drive,
         charge=e.charge,
@@ -318,7 +318,7 @@ def advance_channel(p: Params, u: Input, side: float, c: Channel, t: float, h: f
         supplied=e.supplied,
         loss=e.loss,
         delivered=c.delivered + work_until(entry, mark),
-        told=told,
+        coupled=coupled,
         mark_square=mark.square,
         mark_power=mark.power,
         mark_power_rate=mark.power_rate,
@@ -348,7 +348,7 @@ def joined(top: Channel, bottom: Channel) -> State:
         top_supplied=top.supplied,
         top_loss=top.loss,
         top_delivered=top.delivered,
-        top_told=top.told,
+        top_coupled=top.coupled,
         top_mark_square=top.mark_square,
         top_mark_power=top.mark_power,
         top_mark_power_rate=top.mark_power_rate,
@@ -365,7 +365,7 @@ def joined(top: Channel, bottom: Channel) -> State:
         bottom_supplied=bottom.supplied,
         bottom_loss=bottom.loss,
         bottom_delivered=bottom.delivered,
-        bottom_told=bottom.told,
+        bottom_coupled=bottom.coupled,
         bottom_mark_square=bottom.mark_square,
         bottom_mark_power=bottom.mark_power,
         bottom_mark_power_rate=bottom.mark_power_rate,
@@ -391,7 +391,7 @@ def uncharged(p: Params, u: Input, side: float, t: float) -> Channel:
         supplied=0.0,
         loss=0.0,
         delivered=0.0,
-        told=0.0,
+        coupled=0.0,
         mark_square=0.0,
         mark_power=0.0,
         mark_power_rate=0.0,
@@ -420,7 +420,7 @@ def channel(x: State, side: float) -> Channel:
             supplied=x.top_supplied,
             loss=x.top_loss,
             delivered=x.top_delivered,
-            told=x.top_told,
+            coupled=x.top_coupled,
             mark_square=x.top_mark_square,
             mark_power=x.top_mark_power,
             mark_power_rate=x.top_mark_power_rate,
@@ -439,7 +439,7 @@ def channel(x: State, side: float) -> Channel:
         supplied=x.bottom_supplied,
         loss=x.bottom_loss,
         delivered=x.bottom_delivered,
-        told=x.bottom_told,
+        coupled=x.bottom_coupled,
         mark_square=x.bottom_mark_square,
         mark_power=x.bottom_mark_power,
         mark_power_rate=x.bottom_mark_power_rate,
@@ -453,7 +453,7 @@ def account_of(c: Channel) -> Account:
     """The account of a channel, as of its last communication point."""
     return Account(
         delivered=c.delivered,
-        told=c.told,
+        coupled=c.coupled,
         square=c.mark_square,
         power=c.mark_power,
         power_rate=c.mark_power_rate,

@@ -1,4 +1,4 @@
-"""Function generator: what each channel is told to put out, and where it jumps."""
+"""Function generator: what each channel puts out, and where it jumps."""
 
 from __future__ import annotations
 

@@ -108,8 +108,8 @@ def compiled(sources: Sequence[Path], library: Path, command: Sequence[str]) -> 
     words = [*command, *FLAGS, *(source.name for source in sources), "-o", library.name, "-lm"]
     done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=folder)
     if done.returncode != 0:
-        told = [line for line in done.stderr.splitlines() if line.strip()]
-        raise NativeError(f"{shlex.join(command)}: compiling failed: {' '.join(told[:3])}")
+        lines = [line for line in done.stderr.splitlines() if line.strip()]
+        raise NativeError(f"{shlex.join(command)}: compiling failed: {' '.join(lines[:3])}")
     (folder / library.name).replace(library)
 
 

@@ -34,7 +34,7 @@ class TooLong(ValueError):
 class ReplayedOutput:
     """One output: how it comes about, from which column, and which column is its rate (-1: none).
 
-    `unit` is in SI as FMI writes it, "" where nothing is said.
+    `unit` is in SI as FMI writes it, "" where there is none.
     """
 
     name: str

@@ -182,8 +182,8 @@ class Unit:
         name = self._records[record] = self._given(source, record.__name__)
         width = max((len(text) for text, _ in members), default=0)
         body = [
-            f"{STEP}{text.ljust(width)}  {comment(told)[0]}" if told else STEP + text
-            for text, told in members
+            f"{STEP}{text.ljust(width)}  {comment(meaning)[0]}" if meaning else STEP + text
+            for text, meaning in members
         ]
         body = body or [f"{STEP}char none;"]
         document = comment(ast.get_docstring(node) or "")
@@ -239,8 +239,8 @@ class Unit:
             for kind in (signature.returns, *(p.kind for p in signature.parameters)):
                 public |= self._inside(kind)
         guard = f"{name.upper()}_H"
-        told = comment(f"Made from {self._first.name}'s physics by the build; nothing to edit.")
-        head = [*told, f"#ifndef {guard}", f"#define {guard}", "", '#include "semantics.h"']
+        notice = comment(f"Made from {self._first.name}'s physics by the build; nothing to edit.")
+        head = [*notice, f"#ifndef {guard}", f"#define {guard}", "", '#include "semantics.h"']
         body = [f'#include "{name}.h"']
         for owner, lines in self._structs.items():
             (head if owner in public else body).extend(["", *lines])
@@ -256,8 +256,8 @@ class Unit:
         sections = {self._first: first, **self._sections}
         lines = []
         for source, section in sections.items():
-            told = "" if source is self._first else f"\n\n{source.document}"
-            lines += ["", *comment(f"---- {_place(source)} ----{told}"), *section.constants]
+            document = "" if source is self._first else f"\n\n{source.document}"
+            lines += ["", *comment(f"---- {_place(source)} ----{document}"), *section.constants]
         lines += ["", "/* ---- functions ---- */", ""]
         for section in sections.values():
             for _, made in sorted(section.functions.items()):

@@ -58,15 +58,15 @@ def points(fit: Fit, found: Sequence[Point]) -> Table:
 
     assert fit.profile is not None
     made = Table(title=printable(fit.profile.name), title_justify="left")
-    for label in ("share", *(p.name for p in fit.parameters), *(d.name for d in _told(fit))):
+    for label in ("share", *(p.name for p in fit.parameters), *(d.name for d in _held_out(fit))):
         made.add_column(printable(label))
     for point in found:
-        told = [value for d, value in zip(fit.data, point.data, strict=True) if d.held_out]
-        made.add_row(f"{point.share:g}", *(f"{v:.4g}" for v in (*point.parameters, *told)))
+        held_out = [value for d, value in zip(fit.data, point.data, strict=True) if d.held_out]
+        made.add_row(f"{point.share:g}", *(f"{v:.4g}" for v in (*point.parameters, *held_out)))
     return made
 
 
-def _told(fit: Fit) -> list[Datum]:
+def _held_out(fit: Fit) -> list[Datum]:
     return [datum for datum in fit.data if datum.held_out]
 
 

@@ -41,10 +41,10 @@ def figure13(cached_runs: CachedRuns) -> Comparison:
 
 def _sinusoidal(answer: Answer, frequency: float, scenario: str) -> Row:
     share = harmonics(answer.times, answer.series("displacement"), frequency)
-    said = f"harmonics are {100 * share:.2g} % of the fundamental"
+    in_words = f"harmonics are {100 * share:.2g} % of the fundamental"
     return Row(
         key="figure13.sinusoidal",
-        ours=said,
+        ours=in_words,
         reading="",
         doubt=math.nan,
         scenario=scenario,
@@ -59,13 +59,13 @@ def _ratio(answer: Answer, scenario: str) -> Row:
     low, high = ratio[int(np.argmin(place))], ratio[int(np.argmax(place))]
     middle = ratio[int(np.argmin(np.abs(place)))]
     inside = ratio[(place > 0.9 * place.min()) & (place < 0.9 * place.max())]
-    said = (
+    in_words = (
         f"{100 * low / middle:.0f} % and {100 * high / middle:.0f} % of that at rest, at the lower"
         " and the upper reversal"
     )
     return Row(
         key="figure13.ratio",
-        ours=said,
+        ours=in_words,
         reading="",
         doubt=math.nan,
         scenario=scenario,

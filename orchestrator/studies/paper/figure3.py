@@ -62,7 +62,7 @@ def figure3(cached_runs: CachedRuns) -> Comparison:
         " stiffer. So silicone stands here in three readings.",
         "The first peak stands at a third of the main one in every reading (see the section beyond"
         " the paper), so the paper's 20 and 52 Hz exclude one another by 15 % under any of them;"
-        " which frequencies its sweep had is not told.",
+        " the paper does not say which frequencies its sweep had.",
     )
     failures = [text for each in (*silicone, vhb) for text in each.failures]
     return Comparison(
@@ -117,10 +117,10 @@ def _main(cached_runs: CachedRuns, readings: Sequence[Reading]) -> list[Row]:
             wide, spent = resolution(found, peak), found.wall_time
             place = ("figure3.main_frequency", peak.at, reading.name, wide, "bench-silicone", spent)
             height = doubt(cached_runs, found, peak, amplitude)
-            told = ("bench-silicone", reading.name, reading.model)
+            source = ("bench-silicone", reading.name, reading.model)
             rows += [
                 Row(*place, model=reading.model),
-                row("figure3.main_amplitude", height, *told),
+                row("figure3.main_amplitude", height, *source),
             ]
         rows.append(_quarter("figure3.quarter", reading, "bench-silicone"))
     return rows
@@ -133,10 +133,10 @@ def _quarter(key: str, reading: Reading, scenario: str) -> Row:
 
 def _falls(vhb: FrequencySweep) -> Row:
     tops = vhb.maxima(amplitude)
-    said = ", ".join(f"{1e3 * top.value:.2f} mm at {top.at:.0f} Hz" for top in tops) or "none"
+    peaks = ", ".join(f"{1e3 * top.value:.2f} mm at {top.at:.0f} Hz" for top in tops) or "none"
     return Row(
         key="figure3.vhb_falls",
-        ours=said,
+        ours=peaks,
         reading="",
         doubt=math.nan,
         scenario="bench-vhb",
@@ -146,14 +146,14 @@ def _falls(vhb: FrequencySweep) -> Row:
 
 
 def _drawn(readings: Sequence[Reading], vhb: FrequencySweep) -> Figure:
-    told = [*((f"silicone, {r.name}", r.found) for r in readings), ("VHB", vhb)]
+    sweeps = [*((f"silicone, {r.name}", r.found) for r in readings), ("VHB", vhb)]
     sizes = [
         Curve(name, s.frequencies, [1e3 * v for v in s.values(amplitude)], "line-points")
-        for name, s in told
+        for name, s in sweeps
     ]
     lags = [
         Curve(name, s.frequencies, [math.degrees(v) for v in s.values(lag)], "line-points")
-        for name, s in told
+        for name, s in sweeps
     ]
     places = [_stated(f"figure3.{name}") for name in ("first_frequency", "main_frequency")]
     heights = [_stated(f"figure3.{name}") for name in ("first_amplitude", "main_amplitude")]

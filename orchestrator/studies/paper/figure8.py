@@ -59,10 +59,10 @@ def _low(frequency_sweep: FrequencySweep, top: float, reading: str) -> Row:
     """Power well below, and just below the frequency that the paper names, by the peak's."""
     edge = max(f for f in frequency_sweep.frequencies if f < given("low_power_below"))
     far, near = frequency_sweep.at(FAR, power) / top, frequency_sweep.at(edge, power) / top
-    said = f"{100 * far:.2g} % of the peak at {FAR:.0f} Hz, {100 * near:.2g} % at {edge:g} Hz"
+    shares = f"{100 * far:.2g} % of the peak at {FAR:.0f} Hz, {100 * near:.2g} % at {edge:g} Hz"
     return Row(
         key="figure8.low",
-        ours=said,
+        ours=shares,
         reading=reading,
         doubt=math.nan,
         scenario=frequency_sweep.sweep.scenario,

@@ -14,7 +14,7 @@ from .job import Answer
 from .layer_sweeps import LAYERS, stacks
 from .metrics import fourier, power
 from .published_values import given, number
-from .sensitivity import sensitivities, told
+from .sensitivity import in_words, sensitivities
 
 
 def figure9(cached_runs: CachedRuns) -> Comparison:
@@ -46,9 +46,9 @@ def figure9(cached_runs: CachedRuns) -> Comparison:
     ours, theirs = float(rows[0].ours), float(number("figure9.stroke").value) / 100.0
     much = (theirs / ours) ** (1.0 / slopes["permittivity"]) - 1.0
     words += (
-        f"What the stroke rests on, for 1 % more of each: {told(slopes)}. The paper's 99 % would"
-        f" take {100 * much:+.0f} % of permittivity, or as much less loss, against which table 1"
-        " and figure 3 speak: nothing here is fitted to this figure.",
+        f"What the stroke rests on, for 1 % more of each: {in_words(slopes)}. The paper's 99 %"
+        f" would take {100 * much:+.0f} % of permittivity, or as much less loss, against which"
+        " table 1 and figure 3 speak: nothing here is fitted to this figure.",
     )
     return Comparison("figure9", title, words, rows, [_drawn(answer)], frequency_sweep.failures)
 

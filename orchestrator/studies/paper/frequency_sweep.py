@@ -150,10 +150,10 @@ def doubt(
     cached_runs: CachedRuns, frequency_sweep: FrequencySweep, peak: Peak, measure: Measure
 ) -> Measured:
     """The top's value with its numerical error: the half step at the frequency nearest to it."""
-    told = cached_runs.measured(
+    nearest_point = cached_runs.measured(
         frequency_sweep.sweep.job(frequency_sweep.nearest(peak.at)), measure
     )
-    return Measured(peak.value, told.doubt, frequency_sweep.wall_time)
+    return Measured(peak.value, nearest_point.doubt, frequency_sweep.wall_time)
 
 
 def resolution(frequency_sweep: FrequencySweep, peak: Peak) -> float:

@@ -17,10 +17,10 @@ DEFINITION = (
     " change of kinetic energy over a period, zero for any periodic motion, so the printed numbers"
     " are something else. Three readings: the largest kinetic energy once a cycle, f E_max; the"
     " mean of the positive part, 2 f E_max, since a cycle has two half strokes; the mean of the"
-    " magnitude, 4 f E_max. The first is shown unless said otherwise: with the one film that table"
-    " 1 and figure 3 ask for, it alone comes near the printed powers, and it alone goes with the"
-    " stroke of 99 % that figure 9 states (64.5 mW at 45.8 Hz are strokes of 90, 63 and 45 %). M is"
-    " the payload."
+    " magnitude, 4 f E_max. The first is shown where no other is named: with the one film that"
+    " table 1 and figure 3 ask for, it alone comes near the printed powers, and it alone goes with"
+    " the stroke of 99 % that figure 9 states (64.5 mW at 45.8 Hz are strokes of 90, 63 and 45 %)."
+    " M is the payload."
 )
 READINGS = (
     ("once a cycle", 0.5),

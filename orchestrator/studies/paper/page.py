@@ -227,8 +227,8 @@ def _release() -> str:
 
 
 def _digest(figure: Figure) -> str:
-    told: Sequence[Any] = [figure.title, figure.data()]
-    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+    content: Sequence[Any] = [figure.title, figure.data()]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def _drawn(path: Path) -> dict[str, str]:

@@ -55,7 +55,7 @@ def number(key: str) -> Number:
 
 
 def mark(key: str, model: str = "") -> Mark:
-    """The mark under `item.name`; `item.name_3` may be told by `item.name` for all of its kind.
+    """The mark under `item.name`; one `item.name` may mark `item.name_1`, `item.name_2` and so on.
 
     Where one model's number rests on other things than another's, `item.name_model` comes first.
     """

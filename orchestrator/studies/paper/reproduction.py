@@ -1,4 +1,4 @@
-"""All items, or those asked for: run, gathered, told."""
+"""All items, or those asked for: run, gathered, reported."""
 
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ def chosen(names: Sequence[str]) -> list[str]:
     """The items of these names in the paper's order; all where none is named."""
     for name in names:
         if name not in ALL:
-            told = nearest(name, ALL, show=len(ALL))
-            raise InputError(f"no item {printable(name)!r} of the paper; {told}")
+            closest = nearest(name, ALL, show=len(ALL))
+            raise InputError(f"no item {printable(name)!r} of the paper; {closest}")
     return [name for name in ALL if name in names or not names]
 
 

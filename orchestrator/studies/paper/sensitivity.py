@@ -45,7 +45,7 @@ def sensitivities(
     ]
 
 
-def told(slopes: Mapping[str, float]) -> str:
+def in_words(slopes: Mapping[str, float]) -> str:
     """Sensitivities in words, for a sentence on 1 % more of each."""
     return ", ".join(f"{name} {slope:+.2f} %" for name, slope in slopes.items())
 

@@ -80,8 +80,8 @@ def _of_model(
     spent = sum(frequency_sweep.wall_time for frequency_sweep in found)
     for reading, each in errors.items():
         mean = sum(each) / len(each) if each else math.nan
-        told = f"{model.words}, {reading}"
-        yield Row("table1.mean_error", mean, told, math.nan, "", spent, model=model.key)
+        label = f"{model.words}, {reading}"
+        yield Row("table1.mean_error", mean, label, math.nan, "", spent, model=model.key)
 
 
 def _rows(
@@ -101,8 +101,8 @@ def _rows(
         return
     measured = f"table1.measured_{k}"
     wide = resolution(frequency_sweep, peak)
-    told = f"{model.words}, {LARGEST}"
-    yield Row(measured, peak.at, told, wide, scenario, spent, model=model.key)
+    label = f"{model.words}, {LARGEST}"
+    yield Row(measured, peak.at, label, wide, scenario, spent, model=model.key)
     quarter = frequency_sweep.crossing(lag, 0.5 * math.pi)
     yield row(measured, quarter, scenario, f"{model.words}, {QUARTER}", model.key)
     height = doubt(cached_runs, frequency_sweep, peak, amplitude)

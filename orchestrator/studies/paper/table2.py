@@ -10,7 +10,7 @@ from .frequency_sweep import FrequencySweep, doubt
 from .layer_sweeps import DEFINITION, LAYERS, READINGS, payload_share, stacks
 from .metrics import gross, net, power
 from .published_values import given, number
-from .sensitivity import sensitivities, told
+from .sensitivity import in_words, sensitivities
 
 
 def table2(cached_runs: CachedRuns) -> Comparison:
@@ -38,9 +38,9 @@ def table2(cached_runs: CachedRuns) -> Comparison:
             rows.append(row(f"table2.specific_{n}", each, f"power-{n}", reading))
     words = [DEFINITION, _rests_on(cached_runs, found)]
     if LAYERS[-1] in tops:
-        more, said = _limit(cached_runs, found[LAYERS[-1]])
+        more, sentence = _limit(cached_runs, found[LAYERS[-1]])
         rows += more
-        words.append(said)
+        words.append(sentence)
     failures = [text for frequency_sweep in found.values() for text in frequency_sweep.failures]
     return Comparison("table2", "Table 2: power at resonance", words, rows, (), failures)
 
@@ -56,10 +56,10 @@ def _rests_on(cached_runs: CachedRuns, found: dict[int, FrequencySweep]) -> str:
     two, four = sensitivities(cached_runs, jobs, power)
     apart = {name: four[name] - two[name] for name in two}
     return (
-        f"What the power of two layers at its peak rests on, for 1 % more of each: {told(two)}. The"
-        f" ratio of four layers to two: {told(apart)}. Every layer is alike here, so nothing of the"
-        " film takes that ratio from near 2 to the 1.37 measured; the paper itself suspects bad"
-        " connections in that stack."
+        f"What the power of two layers at its peak rests on, for 1 % more of each: {in_words(two)}."
+        f" The ratio of four layers to two: {in_words(apart)}. Every layer is alike here, so"
+        " nothing of the film takes that ratio from near 2 to the 1.37 measured; the paper itself"
+        " suspects bad connections in that stack."
     )
 
 
@@ -96,7 +96,7 @@ def _limit(cached_runs: CachedRuns, frequency_sweep: FrequencySweep) -> tuple[li
         for watts in (most, 0.5 * most)
     }
     free, *kept = cached_runs.answers([job, *limited.values()])
-    told = "; ".join(
+    losses = "; ".join(
         f"with {name}: {100 * (power(answer) / power(free) - 1):+.1f} % of mechanical power"
         if answer.status == "done"
         else f"with {name}: {answer.reason}"
@@ -106,5 +106,5 @@ def _limit(cached_runs: CachedRuns, frequency_sweep: FrequencySweep) -> tuple[li
         "The paper's amplifier gives 1 W at most; the scenarios set no limit, and what they draw on"
         " the mean stays below it. Held at every instant, as a supply without a reservoir would,"
         " it costs"
-        f" more: at {near:g} Hz and {LAYERS[-1]} layers, {told}."
+        f" more: at {near:g} Hz and {LAYERS[-1]} layers, {losses}."
     )

@@ -79,8 +79,8 @@ class Vehicle:
             "aero.wing_length": self.length,
         }
         places = [round(share * middle, 3) for share in SHARES]
-        told = {key: repr(value) for key, value in changes.items()}
-        return Sweep("hovering", places, told, keep=KEPT, settle=1.2, cycles=5)
+        parameters = {key: repr(value) for key, value in changes.items()}
+        return Sweep("hovering", places, parameters, keep=KEPT, settle=1.2, cycles=5)
 
 
 @dataclass(frozen=True)
