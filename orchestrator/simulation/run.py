@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from time import perf_counter
@@ -220,17 +220,12 @@ def advance(
     step; rows are recorded at the points of the grid alone, so that they stay equidistant.
     """
     grid = system.plan.grid
-    stepper = Stepper(system, master)
-    for observer in watching:
-        observer.sample(system, 0, grid.start)
-    for k in range(grid.count):
-        time, end = grid.point(k), grid.point(k + 1)
-        stepper.to(time, end, grid.step if k + 1 < grid.count else end - time)
-        for observer in watching:
-            observer.sample(system, k + 1, end)
-        if interrupt is not None:
-            interrupt.check()
-    return stepper.steps
+    points = map(grid.point, range(grid.count + 1))
+    spans = (
+        (time, end, grid.step if k < grid.count else end - time)
+        for k, (time, end) in enumerate(pairwise(points), start=1)
+    )
+    return _through(system, master, grid.start, spans, watching, interrupt)
 
 
 def along(
@@ -241,11 +236,24 @@ def along(
     interrupt: Interrupt | None = None,
 ) -> int:
     """Step a system over given communication points; number of steps taken."""
+    spans = ((time, end, end - time) for time, end in pairwise(points))
+    return _through(system, master, points[0], spans, watching, interrupt)
+
+
+def _through(
+    system: System,
+    master: Master,
+    start: float,
+    spans: Iterable[tuple[float, float, float]],
+    watching: Sequence[Watcher],
+    interrupt: Interrupt | None,
+) -> int:
+    """Take steps, each from a time to an end by a size, watched at each end; their number."""
     stepper = Stepper(system, master)
     for observer in watching:
-        observer.sample(system, 0, points[0])
-    for k, (time, end) in enumerate(pairwise(points), start=1):
-        stepper.to(time, end, end - time)
+        observer.sample(system, 0, start)
+    for k, (time, end, size) in enumerate(spans, start=1):
+        stepper.to(time, end, size)
         for observer in watching:
             observer.sample(system, k, end)
         if interrupt is not None:

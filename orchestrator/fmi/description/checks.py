@@ -46,18 +46,3 @@ def faults(typed: Any, units: Iterable[str | None]) -> list[str]:
     if unit is not None and unit not in units:
         found.append(f"has unit '{printable(unit)}', which is not defined")
     return found
-
-
-def preferred_step(root: Any) -> float | None:
-    """Communication step of the default experiment [s]; None unless it is positive and finite."""
-    experiment = root.find("DefaultExperiment")
-    try:
-        step = float(experiment.get("stepSize")) if experiment is not None else 0.0
-    except (TypeError, ValueError):
-        return None
-    return step if 0.0 < step < math.inf else None
-
-
-def true(value: Any) -> bool:
-    """Whether an attribute of XML is true."""
-    return value in {"true", "1"}

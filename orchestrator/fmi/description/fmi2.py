@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import printable
-from .checks import BOUNDED, faults, name_faults, preferred_step, true
+from .attributes import interface, true
+from .checks import BOUNDED, faults, name_faults
 from .variable import Interface, Variable
 
 SCALARS = "ModelVariables/ScalarVariable"
@@ -70,24 +71,7 @@ def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
         name: _variable(scalar, types, depends.get(k))
         for k, (name, scalar) in enumerate(zip(names, scalars, strict=True))
     }
-    kind = root.find("CoSimulation")
-    tool = root.get("generationTool") or ""
-    return Interface(
-        path=path,
-        version=2,
-        model=root.get("modelName"),
-        identifier=kind.get("modelIdentifier"),
-        guid=root.get("guid"),
-        tool=tool,
-        variables=variables,
-        rollback=true(kind.get("canGetAndSetFMUstate")),
-        variable_step=true(kind.get("canHandleVariableCommunicationStepSize")),
-        once=true(kind.get("canBeInstantiatedOnlyOncePerProcess")),
-        needs_tool=true(kind.get("needsExecutionTool")),
-        ours=tool.startswith("Resilin"),
-        warnings=warnings,
-        step=preferred_step(root),
-    )
+    return interface(path, root, 2, variables, warnings)
 
 
 def _variable(scalar: Any, types: dict[str, Any], depends: tuple[str, ...] | None) -> Variable:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import FmuError, printable
-from .checks import BOUNDED, faults, name_faults, preferred_step, true
+from .attributes import interface, true
+from .checks import BOUNDED, faults, name_faults
 from .variable import Interface, Variable
 
 MOST_ELEMENTS = 500_000
@@ -62,24 +63,7 @@ def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
     for entry in entries:
         for variable in _elements(entry, types, by_reference, depends):
             variables[variable.name] = variable
-    kind = root.find("CoSimulation")
-    tool = root.get("generationTool") or ""
-    return Interface(
-        path=path,
-        version=3,
-        model=root.get("modelName"),
-        identifier=kind.get("modelIdentifier"),
-        guid=root.get("instantiationToken"),
-        tool=tool,
-        variables=variables,
-        rollback=true(kind.get("canGetAndSetFMUState")),
-        variable_step=true(kind.get("canHandleVariableCommunicationStepSize")),
-        once=true(kind.get("canBeInstantiatedOnlyOncePerProcess")),
-        needs_tool=true(kind.get("needsExecutionTool")),
-        ours=tool.startswith("Resilin"),
-        warnings=warnings,
-        step=preferred_step(root),
-    )
+    return interface(path, root, 3, variables, warnings)
 
 
 def _size(dimension: Any, by_reference: dict[str, Any]) -> str:

@@ -1,0 +1,59 @@
+"""Attributes that FMI 2.0 and 3.0 share: those of the root and of co-simulation."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+from .variable import Interface, Variable
+
+NAMES = {
+    2: ("guid", "canGetAndSetFMUstate"),
+    3: ("instantiationToken", "canGetAndSetFMUState"),
+}
+"""What each version calls the identity of a description, and the ability to go back."""
+
+
+def interface(
+    path: Path,
+    root: Any,
+    version: int,
+    variables: dict[str, Variable],
+    warnings: tuple[str, ...],
+) -> Interface:
+    """The `Interface` of a description of a version of FMI whose variables have been read."""
+    identity, state = NAMES[version]
+    kind = root.find("CoSimulation")
+    tool = root.get("generationTool") or ""
+    return Interface(
+        path=path,
+        version=version,
+        model=root.get("modelName"),
+        identifier=kind.get("modelIdentifier"),
+        guid=root.get(identity),
+        tool=tool,
+        variables=variables,
+        rollback=true(kind.get(state)),
+        variable_step=true(kind.get("canHandleVariableCommunicationStepSize")),
+        once=true(kind.get("canBeInstantiatedOnlyOncePerProcess")),
+        needs_tool=true(kind.get("needsExecutionTool")),
+        ours=tool.startswith("Resilin"),
+        warnings=warnings,
+        step=preferred_step(root),
+    )
+
+
+def preferred_step(root: Any) -> float | None:
+    """Communication step of the default experiment [s]; None unless it is positive and finite."""
+    experiment = root.find("DefaultExperiment")
+    try:
+        step = float(experiment.get("stepSize")) if experiment is not None else 0.0
+    except (TypeError, ValueError):
+        return None
+    return step if 0.0 < step < math.inf else None
+
+
+def true(value: Any) -> bool:
+    """Whether an attribute of XML is true."""
+    return value in {"true", "1"}
