@@ -288,11 +288,18 @@ class System:
         for coupled in self.instances:
             coupled.follow()
 
+    def _has_values(self, coupled: CoupledInstance) -> bool:
+        """Whether an instance's outputs are finite."""
+        return bool(np.isfinite(self.values[coupled.stretch]).all())
+
     def _inconsistent(self, error: InconsistentValues) -> str:
-        """Why start values do not fit: the last message of an instance, else the worst value."""
+        """Why start values do not fit: the last message of an instance, else the worst value.
+
+        One that had no values of its own accord comes before those that its values upset.
+        """
         logged = [
             f"{m.instance.name}: {text}"
-            for m in self.instances
+            for m in sorted(self.instances, key=self._has_values)
             for text in m.instance.messages[-1:]
         ]
         if logged:

@@ -69,8 +69,12 @@ def test_steps_are_cut_at_announced_edges(outcome: Runner) -> None:
 
 
 def test_an_odd_number_of_steps_is_as_accurate(outcome: Runner) -> None:
-    odd = outcome("flapping-spring-full-wings", time={"stop": "4 cycles", "step": {"per_cycle": 41}})
-    even = outcome("flapping-spring-full-wings", time={"stop": "4 cycles", "step": {"per_cycle": 400}})
+    odd = outcome(
+        "flapping-spring-full-wings", time={"stop": "4 cycles", "step": {"per_cycle": 41}}
+    )
+    even = outcome(
+        "flapping-spring-full-wings", time={"stop": "4 cycles", "step": {"per_cycle": 400}}
+    )
     x = np.interp(odd.times, even.times, even.series("linkage.displacement"))
     assert np.abs(odd.series("linkage.displacement") - x).max() < 2e-3 * np.abs(x).max()
 
