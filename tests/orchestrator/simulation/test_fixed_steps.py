@@ -48,7 +48,10 @@ def test_steps_of_one_size_are_not_cut(
 @pytest.mark.parametrize(
     ("options", "reasons"),
     [
-        ({"stop": 0.205}, ["time.stop: m takes steps of one size only", "0.205 s is no multiple"]),
+        (
+            {"stop": 0.205},
+            ["time.stop: m takes steps of one size only", "0.205 s is not a multiple"],
+        ),
         ({"more": "tolerance = 1e-3"}, ["time.tolerance: needs steps of any size, which m"]),
     ],
     ids=["stop", "tolerance"],

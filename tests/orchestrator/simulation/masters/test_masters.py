@@ -56,7 +56,7 @@ def test_sequence_beats_parallel_with_laws(library: Path) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_vehicle_flies_with_every_master(outcome: Runner, kind: str) -> None:
     done = outcome(
-        "flapping-full-wings",
+        "flapping-spring-full-wings",
         master={"kind": kind},
         time={"stop": "4 cycles", "step": {"per_cycle": 100}},
     )
