@@ -9,7 +9,7 @@ one.
 from pathlib import Path
 
 from orchestrator.studies.precision.study import precision
-from orchestrator.studies.precision.table import advice, draw, per_cycle
+from orchestrator.studies.precision.table import cheapest_settings, draw, per_cycle
 
 
 def main() -> None:
@@ -26,7 +26,7 @@ def main() -> None:
             f"{done.method!s:24} {per_cycle(study, done):14} error {study.error(done):.1e}"
             f" order {done.order:4.1f} {done.wall_time:.2f} s"
         )
-    print("cheapest settings:", *advice(study), sep="\n  ")
+    print("cheapest settings:", *cheapest_settings(study), sep="\n  ")
     Path("results").mkdir(exist_ok=True)
     draw(study, Path("results/error_against_run_time.png"))
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.results.outcome import Outcome
 from tests.conftest import Runner
 
 
@@ -28,24 +29,36 @@ def test_energy_closes_over_fifty_cycles_without_loss(outcome: Runner) -> None:
 
 
 @pytest.mark.parametrize(
-    ("scenario", "component", "other"),
+    ("scenario", "component", "other", "moves"),
     [
-        ("oscillator-1", "spring", "membrane"),
-        ("flapping-no-wing", "actuator", "spring"),
-        ("flapping-frames", "actuator", "spring"),
-        ("flapping-full-wings", "actuator", "spring"),
-        ("flapping-spring-full-wings", "actuator", "membrane"),
+        ("oscillator-1", "spring", "membrane", True),
+        ("flapping-no-wing", "actuator", "spring", False),
+        ("flapping-frames", "actuator", "spring", False),
+        ("flapping-full-wings", "actuator", "spring", False),
+        ("flapping-spring-full-wings", "actuator", "membrane", True),
     ],
 )
 def test_film_and_spring_take_each_other_s_place(
-    outcome: Runner, tmp_path: Path, scenario: str, component: str, other: str
+    outcome: Runner, tmp_path: Path, scenario: str, component: str, other: str, moves: bool
 ) -> None:
-    """One line: another `fmu` in the component."""
+    """One line: another `fmu` in the component.
+
+    The spring has a third of the film's force: less than the dry friction of the film's mechanism.
+    """
     path = tmp_path / "swap.toml"
-    path.write_text(f'extends = "{scenario}"\n[components.{component}]\nfmu = "{other}"\n')
+    swap = f'extends = "{scenario}"\n[components.{component}]\nfmu = "{other}"\n'
+    path.write_text(swap)
     done = outcome(path, time={"stop": "5 cycles"})
     assert done.failure is None
-    assert np.ptp(done.rows[:, [n.endswith("displacement") for n in done.names]]) > 1e-4
+    assert (travel(done) > 1e-4) == moves
+    if not moves:
+        path.write_text(f'{swap}[components.linkage.start]\ncoulomb_friction = "0 N"\n')
+        assert travel(outcome(path, time={"stop": "5 cycles"})) > 1e-4
+
+
+def travel(done: Outcome) -> float:
+    """Peak to peak of the displacement, in m."""
+    return float(np.ptp(done.rows[:, [n.endswith("displacement") for n in done.names]]))
 
 
 def test_pull_test_is_linear_and_its_energy_is_the_work(outcome: Runner) -> None:

@@ -78,7 +78,7 @@ def test_noise_is_the_same_for_the_same_seed(library: Path, tmp_path: Path) -> N
     ("fault", "reason"),
     [
         ('on = "sprung"\nkind = "drop"', r"on: no component 'sprung'; did you mean 'spring'\?"),
-        ('on = "spring.force.value"\nkind = "drop"', "on: a unit drops out as a whole"),
+        ('on = "spring.force.value"\nkind = "drop"', "on: a component drops out as a whole"),
         ('on = "spring"\nkind = "noise"\nsize = 1.0', "on: noise needs one output"),
         ('on = "spring.force.valve"\nkind = "nan"', "did you mean 'spring.force.value'|'force"),
         ('on = "spring.force.value"\nkind = "bias"', "size: bias needs one, in N"),

@@ -11,7 +11,7 @@ from distributed import Status
 
 from orchestrator.studies.sweep.checkpoint import Checkpoint
 
-SCENARIO = "flapping-full-wings"
+SCENARIO = "flapping-spring-full-wings"
 SHORT = {"time": {"stop": "2 cycles"}}
 STROKE = "flapping stroke"
 Sweep = Callable[..., xarray.Dataset]

@@ -98,7 +98,7 @@ def test_axes_that_make_no_sweep_are_refused() -> None:
 
 def test_all_points_are_checked_before_anything_runs(swept: Sweep, tmp_path: Path) -> None:
     """Every problem once, however many points have it; nothing is left on disk."""
-    axes = ["amplifier.frequency=-2,-1,5 Hz", "spring.layers=2,2.5", "linkage.dampin=1,2"]
+    axes = ["amplifier.frequency=-2,-1,5 Hz", "actuator.layers=2,2.5", "linkage.dampin=1,2"]
     with pytest.raises(ScenarioError) as caught:
         swept(*axes[:2], target=tmp_path / "out.nc")
     assert len(caught.value.problems) == 3
