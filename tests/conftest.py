@@ -23,39 +23,71 @@ from tests.processes import MARK, dead_children, marked
 os.environ.setdefault("MPLBACKEND", "Agg")
 
 
-@pytest.fixture(scope="session")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with every part built once for this session."""
-    folder = tmp_path_factory.mktemp("fmus")
-    for name in build_fmus.part_names():
-        build_fmus.build(name, into=folder)
+@pytest.fixture(scope="session", autouse=True)
+def estimates_are_asked_for() -> Iterator[None]:
+    """No run is made thrice unasked: a test that is about the estimate asks for it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("orchestrator.simulation.run.BUDGET", -1.0)
+        yield
+
+
+def once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:
+    """A folder that the first worker of a session fills for all of them."""
+    base = factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / name
+    folder.mkdir(exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "made").exists():
+            make(folder)
+            (folder / "made").touch()
     return folder
+
+
+@pytest.fixture(scope="session")
+def python_parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with every part as pythonfmu exports it, built once for all workers of a session."""
+
+    def build(folder: Path) -> None:
+        for name in build_fmus.part_names():
+            build_fmus.build(name, into=folder)
+
+    return once(tmp_path_factory, "fmus", build)
 
 
 @pytest.fixture(scope="session")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with every part that can be compiled, built once for all workers of a session."""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "native"
-    folder.mkdir(exist_ok=True)
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+
+    def build(folder: Path) -> None:
         for name in build_fmus.compilable():
             build_fmus.build(name, into=folder, native=True)
-    return folder
+
+    return once(tmp_path_factory, "native", build)
+
+
+@pytest.fixture(scope="session")
+def library(python_parts: Path) -> Path:
+    """Folder with every part: in Python; compiled for tests/orchestrator, where either will do."""
+    return python_parts
 
 
 Runner = Callable[..., Outcome]
 
 
-@pytest.fixture(scope="session")
-def outcome(library: Path) -> Runner:
-    """Run a scenario on the built parts: `outcome(scenario, changes, time={...}, master={...})`."""
+def runner_on(library: Path) -> Runner:
+    """Run a scenario on some parts: `run(scenario, changes, time={...}, master={...})`."""
 
     def runner(scenario: str, changes: dict[str, str] | None = None, **options: object) -> Outcome:
         return run(load(scenario, changes, library, **options))
 
     return runner
+
+
+@pytest.fixture(scope="session")
+def outcome(library: Path) -> Runner:
+    """Run a scenario on the built parts: `outcome(scenario, changes, time={...}, master={...})`."""
+    return runner_on(library)
 
 
 @pytest.fixture(scope="session")

@@ -13,6 +13,8 @@ import typer
 from . import common
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from ..results.metrics import Metric
     from ..results.outcome import Outcome
     from ..results.recorded import Recorded
@@ -37,7 +39,9 @@ def run(
     tolerance: common.Tolerance = None,
     estimate: Annotated[
         bool | None,
-        typer.Option(help="Run again at half the step to estimate the error of the result."),
+        typer.Option(
+            help="Run again at half the step to estimate the error; if neither, of quick runs."
+        ),
     ] = None,
     fmus: common.Library = common.BUILT,
     native: common.Native = None,
@@ -50,12 +54,13 @@ def run(
 ) -> None:
     """Run a scenario; write its result, draw it, print its metrics.
 
-    Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz" --estimate
+    Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz"
     """
     from ..results.netcdf import clear, partial_path, prepare, segments_for, write
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load
     from ..simulation.run import run as run_plan
+    from ..simulation.summary import meaningless
 
     target = output or Path("results") / f"{Path(scenario).stem}.nc"
     with Interrupt() as interrupt, common.reported():
@@ -78,6 +83,9 @@ def run(
         kept = f"{outcome.kept} rows are kept in {partial_path(target)}"
         common.fail(f"{outcome.failure}; {kept}", getattr(outcome.failure, "exit_code", 1))
     _show(outcome, written, plot=picture, json=json, quiet=quiet, verbose=verbose)
+    reason = meaningless(outcome)
+    if reason:
+        common.fail(f"{reason}; {written} is whole", 1)
 
 
 def recover(
@@ -147,7 +155,7 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
         "advice": outcome.plan.step_reason,  # the old name, for one release
         "result": str(written),
         "picture": str(drawn) if drawn else None,
-        "metrics": {m.name: {"value": m.value, "unit": m.unit} for m in found},
+        "metrics": {m.name: {"value": m.value, "unit": m.unit, "error": m.error} for m in found},
         "communication_steps": outcome.steps,
         "rejected_steps": outcome.rejected,
         "step_calls": outcome.calls,
@@ -157,6 +165,7 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
         "estimated_error": {name: e.error for name, e in estimates.items()},
         "estimated_relative_error": {name: e.relative for name, e in estimates.items()},
         "no_estimate": outcome.doubt,
+        "not_estimated": outcome.unseen,
         "coupling_energies": {
             name: {"created": created, "exchanged": exchanged}
             for name, (created, exchanged) in outcome.couplings.items()
@@ -171,14 +180,17 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
     from rich.text import Text
 
     from ..errors import printable
-    from ..simulation.summary import couplings, errors, warnings
+    from ..simulation.summary import accuracy, warnings
 
     console = Console()
     table = Table(title=Text(printable(outcome.plan.scenario.title)), title_justify="left")
     table.add_column("metric")
     table.add_column("value", justify="right")
+    if outcome.estimates is not None:
+        table.add_column("estimated error", justify="right")
     for metric in found:
-        table.add_row(metric.name, metric.shown)
+        row = [metric.name, metric.shown, metric.shown_error]
+        table.add_row(*row[: len(table.columns)])
     console.print(table)
     compiled = [n for n, i in outcome.plan.interfaces.items() if i.ours and not i.needs_tool]
     speed = outcome.simulated / outcome.wall_time
@@ -192,19 +204,35 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         console.print(f"compiled parts: {', '.join(compiled)} (--python for the others)")
     if outcome.plan.step_reason:
         console.print(f"auto: {outcome.plan.step_reason}", highlight=False)
-    if outcome.estimates is not None:
-        console.print(errors(outcome))
+    if stated := accuracy(outcome):
+        console.print(stated, highlight=False, soft_wrap=True)
     if verbose:
-        console.print(couplings(outcome))
-        for name, count in outcome.calls.items():
-            back = outcome.rollbacks.get(name, 0)
-            console.print(f"{name}: {count} steps, {back} rollbacks", highlight=False)
-        loop = f"in Python: {outcome.python_loop}" if outcome.python_loop else "compiled"
-        console.print(f"communication loop {loop}", highlight=False)
-        console.print(f"residual at the start: {outcome.residual:.2g}", highlight=False)
+        _print_details(console, outcome)
+    for dropped in outcome.plan.dropped:
+        console.print(Text(f"dropped: {printable(dropped, most=200)}"), soft_wrap=True)
     for line in warnings(outcome):
         console.print(Text(f"warning: {line}"), soft_wrap=True)
     for label, path in (("result:", written), ("plot:  ", drawn)):
         if path is not None:
             shown = Text(f"{label} {printable(str(path), most=1000)}")
             console.print(shown, soft_wrap=True)
+
+
+def _print_details(console: Console, outcome: Outcome) -> None:
+    """Print errors, energies, calls and messages of each instance, and how the loop ran."""
+    from rich.text import Text
+
+    from ..simulation.summary import couplings, errors
+
+    if outcome.estimates is not None:
+        console.print(errors(outcome))
+    console.print(couplings(outcome))
+    for name, count in outcome.calls.items():
+        back = outcome.rollbacks.get(name, 0)
+        console.print(f"{name}: {count} steps, {back} rollbacks", highlight=False)
+    for name, report in outcome.reports.items():
+        for message in report.messages:
+            console.print(Text(f"{name}: {message}"), soft_wrap=True)
+    loop = f"in Python: {outcome.python_loop}" if outcome.python_loop else "compiled"
+    console.print(f"communication loop {loop}", highlight=False)
+    console.print(f"residual at the start: {outcome.residual:.2g}", highlight=False)

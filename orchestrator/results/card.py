@@ -27,6 +27,8 @@ def _lines(outcome: Outcome) -> Iterator[str]:
         f"{outcome.steps} communication steps{rejected}, {outcome.simulated:.4g} s simulated in"
         f" {outcome.wall_time:.2f} s, {speed:.3g} times real time"
     )
+    for place, text in outcome.unseen.items():
+        yield f"{printable(place)}: {printable(text, most=LONGEST)}"
     if outcome.doubt:
         yield f"no error estimate: {printable(outcome.doubt, most=LONGEST)}"
 
@@ -37,6 +39,10 @@ def _metrics(outcome: Outcome) -> Iterator[Table]:
     if found:
         columns = [Column("metric"), Column("value", number=True)]
         rows = [[Cell(m.name), quantity(m.value, m.shown)] for m in found]
+        if outcome.estimates is not None:
+            columns.append(Column("estimated error", number=True))
+            for row, metric in zip(rows, found, strict=True):
+                row.append(Cell(metric.shown_error))
         yield Table("metrics", columns, rows)
 
 
@@ -59,6 +65,6 @@ def _recorded(outcome: Outcome) -> Table:
         row = [Cell(printable(name)), Cell(printable(variable.unit))]
         row += [Cell(f"{end:.4g}") for end in ends] or [Cell(""), Cell("")]
         if estimates is not None:
-            row.append(Cell(f"{estimates[name].error:.2g}"))
+            row.append(Cell(f"{estimates[name].error:.2g}" if name in estimates else ""))
         rows.append(row)
     return Table("recorded variables", columns, rows)

@@ -30,13 +30,16 @@ MOST_UNASKED = 4
 class Metric:
     """One row of the table: name, value in SI with its unit, and how it is shown.
 
-    Where there is no number, `value` is NaN and `shown` gives the reason.
+    Where there is no number, `value` is NaN and `shown` gives the reason. `error` is estimated, in
+    SI, and `shown_error` how it is shown; None and "" where there is no estimate.
     """
 
     name: str
     value: float
     unit: str
     shown: str
+    error: float | None = None
+    shown_error: str = ""
 
 
 def metrics(source: Recorded | Outcome | xarray.Dataset, cycles: int | None = None) -> list[Metric]:
@@ -50,7 +53,7 @@ def metrics(source: Recorded | Outcome | xarray.Dataset, cycles: int | None = No
     settings = data.metrics or {}
     window = Window(data, cycles or int(settings.get("cycles", CYCLES)))
     defined = {str(k): str(v) for k, v in settings.items() if k != "cycles"}
-    return list(_found(window, defined or _unasked(window)))
+    return list(_found(window, defined or _unasked(window), data.metric_errors))
 
 
 def _unasked(window: Window) -> dict[str, str]:
@@ -59,7 +62,9 @@ def _unasked(window: Window) -> dict[str, str]:
     }
 
 
-def _found(window: Window, defined: Mapping[str, str]) -> Iterator[Metric]:
+def _found(
+    window: Window, defined: Mapping[str, str], errors: Mapping[str, float]
+) -> Iterator[Metric]:
     for name, text in defined.items():
         try:
             expression = expression_of(text)
@@ -80,7 +85,9 @@ def _found(window: Window, defined: Mapping[str, str]) -> Iterator[Metric]:
         if not math.isfinite(value):
             yield Metric(name, math.nan, unit, f"not a number: {text} comes to {value}")
             continue
-        yield Metric(name, value, unit, shown(value / scale, shown_in))
+        wrong = errors.get(name)
+        about = "" if wrong is None else shown(wrong / scale, shown_in, digits=2)
+        yield Metric(name, value, unit, shown(value / scale, shown_in), wrong, about)
 
 
 def evaluated(expression: Expression, window: Window) -> float | None:
@@ -94,9 +101,9 @@ def evaluated(expression: Expression, window: Window) -> float | None:
             return math.nan
 
 
-def shown(number: float, unit: str) -> str:
+def shown(number: float, unit: str, digits: int = 4) -> str:
     """A number to four digits with its unit, as `63.31 deg`."""
-    text = f"{number:#.4g}".removesuffix(".")
+    text = f"{number:#.{digits}g}".removesuffix(".")
     return text if unit in {"", "1"} else f"{text} {unit}"
 
 

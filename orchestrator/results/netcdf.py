@@ -23,12 +23,11 @@ from numpy.typing import NDArray
 from ..errors import InputError, OutputError
 from ..report.files import written_whole
 from ..scenario.plan import Plan
-from .error_estimate import Estimate
 from .segments import Column, Segments, assemble, folder_of, found
 
 if TYPE_CHECKING:
     import xarray
-from .outcome import Outcome
+from .outcome import Estimate, Outcome
 
 
 def dataset(outcome: Outcome) -> xarray.Dataset:
@@ -55,8 +54,8 @@ def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Co
     for index, (component, variable) in enumerate(plan.records):
         name = f"{component}.{variable.name}"
         noted: dict[str, Any] = {"units": variable.unit, "long_name": variable.description}
-        if estimates is not None:
-            noted["estimated_error"] = estimates[name].error
+        if name in (estimates or {}):
+            noted["estimated_error"] = (estimates or {})[name].error
         safe = netcdf_name(name)
         if safe != name:
             noted["original_name"] = name
@@ -115,6 +114,8 @@ def attributes(outcome: Outcome) -> dict[str, Any]:
         "initial_residual": outcome.residual,
         "coupling_energies": json.dumps(outcome.couplings),
         "error_estimate": outcome.doubt or ("none" if outcome.estimates is None else "half step"),
+        "metric_errors": json.dumps(outcome.metric_errors),
+        "not_estimated": json.dumps(outcome.unseen),
         "wall_time": outcome.wall_time,
         "communication_loop": f"python: {outcome.python_loop}"
         if outcome.python_loop

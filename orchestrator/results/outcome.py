@@ -10,8 +10,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenario.plan import Plan
-from .error_estimate import Estimate
 from .segments import Segments
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Estimated largest error of a variable over a run, absolute and by its largest value."""
+
+    error: float
+    relative: float
+
+
+@dataclass(frozen=True)
+class Report:
+    """What an instance has reported: its messages, and how many steps came back with a warning.
+
+    `warning` is the first message with that status, "" where there was no text.
+    """
+
+    messages: list[str]
+    warned: int
+    warning: str
 
 
 @dataclass(frozen=True)
@@ -21,10 +40,12 @@ class Outcome:
     `points` are its communication points, `rejected` counts the attempts beside them, `calls` and
     `rollbacks` those of each instance, `residual` is what remained of the initial conditions,
     `couplings` the energy created and exchanged by each power coupling [J].
-    `estimates` holds the error of each variable where it was asked for, `doubt` the reason where
-    there is none; `python_loop` the reason why the communication loop ran in Python, "" for the
-    compiled one. `segments` holds the rows of a long run that have left memory; `times` and
-    `rows` are then the last ones.
+    `estimates` holds the error of each real variable and `metric_errors` that of each metric in SI,
+    `doubt` the reason where there are none; `unseen` what they do not cover, by component or
+    variable: :mod:`orchestrator.results.error_estimate`. `python_loop` is the reason why the
+    communication loop ran in Python, "" for the compiled one. `segments` holds the rows of a long
+    run that have left memory; `times` and `rows` are then the last ones. `reports` are those of
+    each instance.
     """
 
     plan: Plan
@@ -42,8 +63,11 @@ class Outcome:
     couplings: dict[str, tuple[float, float]] = field(default_factory=dict)
     segments: Segments | None = None
     estimates: dict[str, Estimate] | None = None
+    metric_errors: dict[str, float] = field(default_factory=dict)
+    unseen: dict[str, str] = field(default_factory=dict)
     doubt: str = ""
     python_loop: str = ""
+    reports: dict[str, Report] = field(default_factory=dict)
 
     @property
     def kept(self) -> int:

@@ -5,8 +5,9 @@ Metrics and plots read them from here, so that neither needs the library that la
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +29,7 @@ class Recorded:
     """Times [s], and series and units by `component.variable`.
 
     `frequency` [Hz] is that of the drive, 0 without one; `metrics` and `plot` are the scenario's
-    own tables.
+    own tables; `metric_errors` are estimated, in SI.
     """
 
     times: Values
@@ -38,6 +39,7 @@ class Recorded:
     frequency: float = 0.0
     metrics: Mapping[str, Any] | None = None
     plot: Mapping[str, Any] | None = None
+    metric_errors: Mapping[str, float] = field(default_factory=dict)
 
 
 def recorded(source: Recorded | Outcome | xarray.Dataset) -> Recorded:
@@ -61,6 +63,7 @@ def _of_outcome(outcome: Outcome) -> Recorded:
         frequency=plan.frequency or 0.0,
         metrics={"cycles": scenario.metrics.cycles, **scenario.metrics.defined},
         plot=dict(scenario.plot),
+        metric_errors=outcome.metric_errors,
     )
 
 
@@ -74,7 +77,17 @@ def _of_dataset(data: xarray.Dataset) -> Recorded:
         frequency=float(data.attrs.get("frequency", 0.0)),
         metrics=scenario_table(data.attrs, "metrics"),
         plot=scenario_table(data.attrs, "plot"),
+        metric_errors=_metric_errors(data.attrs),
     )
+
+
+def _metric_errors(attributes: Mapping[str, Any]) -> dict[str, float]:
+    """Errors of metrics as a file has them; none of one that cannot be read."""
+    try:
+        found = json.loads(attributes.get("metric_errors", "{}"))
+        return {str(name): float(error) for name, error in found.items()}
+    except (TypeError, ValueError, AttributeError):
+        return {}
 
 
 def read_recorded(path: Path) -> Recorded:
@@ -101,6 +114,7 @@ def read_recorded(path: Path) -> Recorded:
                 frequency=float(attributes.get("frequency", 0.0)),
                 metrics=scenario_table(attributes, "metrics"),
                 plot=scenario_table(attributes, "plot"),
+                metric_errors=_metric_errors(attributes),
             )
     except (OSError, RuntimeError, IndexError, ValueError) as error:
         raise InputError(f"{path}: not a result that can be read ({error})") from None

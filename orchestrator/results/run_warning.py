@@ -5,16 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["coupling energy", "no estimate", "fmu"]
+Kind = Literal[
+    "still", "coupling energy", "estimated error", "not estimated", "no estimate", "instance", "fmu"
+]
 
 
 @dataclass(frozen=True)
 class RunWarning:
     """One warning; `figure` is the number that it rests on, where there is one.
 
-    `coupling energy`: share of the exchanged energy that the coupling at `place` has created,
-    negative where it has lost some. `no estimate`: why there is no error estimate. `fmu`: what is
-    valid but doubtful in the component's modelDescription.
+    `still`: what is driven does not move. `coupling energy`: share of the exchanged energy that the
+    coupling at `place` has created, negative where it has lost some. `estimated error`: by the
+    largest value of the variable at `place`. `not estimated`: what the estimate does not cover at
+    `place`. `no estimate`: why there is none at all. `instance`: steps that came back with a
+    warning. `fmu`: what is valid but doubtful in the component's modelDescription.
     """
 
     kind: Kind

@@ -164,16 +164,30 @@ def _drop_wired_holds(base: dict[str, Any], wires: Any) -> None:
 def _overlaid(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
     """`top` over `base`: tables merge, wires and recorded variables add up, all else replaces.
 
-    A component that names another `fmu` or `data` keeps only what `top` gives.
+    A component that names another `fmu` keeps the start values of its base, marked as inherited;
+    one that names other `data` keeps only what `top` gives.
     """
     merged = dict(base)
     for key, value in top.items():
         old = merged.get(key)
         if isinstance(value, dict) and isinstance(old, dict):
-            other = any(k in value and value[k] != old.get(k) for k in ("fmu", "data"))
-            merged[key] = value if other else _overlaid(old, value)
+            if "data" in value and value["data"] != old.get("data"):
+                merged[key] = value
+            elif "fmu" in value and value["fmu"] != old.get("fmu"):
+                merged[key] = _exchanged(old, value)
+            else:
+                merged[key] = _overlaid(old, value)
         elif key in LISTS and isinstance(value, list) and isinstance(old, list):
             merged[key] = [*old, *value]
         else:
             merged[key] = value
     return merged
+
+
+def _exchanged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
+    """A component with another FMU, which keeps the start values that it does not give itself."""
+    kept, given = old.get("start", {}), new.get("start", {})
+    inherited = [name for name in kept if name not in given]
+    if not inherited:
+        return new
+    return {**new, "start": {**kept, **given}, "inherited": inherited}

@@ -38,7 +38,8 @@ class Plan:
 
     `limits` holds for isolated instances; `keep_from` is the time [s] from which rows are kept;
     `step_reason` is the reason for the step where the scenario left it open. `recordings` take the
-    place of parts, `dropped` lists what the scenario loses by that.
+    place of parts; `dropped` lists what the scenario loses by that, and by other FMUs in the place
+    of those of a base scenario.
     """
 
     scenario: Scenario
@@ -91,7 +92,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     problems.check()
     whole = scenario
     scenario, dropped = substituted(scenario, interfaces, _replays(interfaces), problems)
-    starts = starts_of(scenario, interfaces, problems)
+    starts = starts_of(scenario, interfaces, problems, dropped)
     fed: dict[str, str] = {}
     connections = connections_of(scenario, interfaces, fed, problems)
     held = held_of(scenario, interfaces, fed, problems)

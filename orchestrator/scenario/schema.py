@@ -26,12 +26,13 @@ class PerCycle(Table):
 class Time(Table):
     """Time span and communication step; `frequency` defines the cycle where it is needed.
 
-    With `step = "auto"` a trial run finds the coarsest step that is stable and accurate.
+    Without a step, or with `step = "auto"`, a trial run finds the coarsest one that is stable and
+    accurate; beside a `tolerance`, step control needs none.
     """
 
     start: Quantity = 0.0
     stop: Quantity = "50 cycles"
-    step: PerCycle | Quantity = PerCycle(per_cycle=200)
+    step: PerCycle | Quantity = AUTO
     frequency: Quantity | None = None
     tolerance: Annotated[float, Field(strict=True, gt=0.0, lt=1.0)] | None = None
 
@@ -43,13 +44,16 @@ RECORDED = set(RecordingSettings.model_fields) - {"data", "memory"}
 class Component(RecordingSettings):
     """A built part by name or any FMU by path, with its start values; or a recording.
 
-    `isolate` puts it into a process of its own, or keeps it out of one; there `patience` is the
-    time that one call may take, and `memory` what it may allocate. A recording is the file `data`
-    with the keys of docs/reference/recordings.md; `memory` is how large it may be.
+    Of the start values named in `inherited`, which a base scenario has for another FMU in this
+    place, the ones that do not fit are dropped. `isolate` puts it into a process of its own, or
+    keeps it out of one; there `patience` is the time that one call may take, and `memory` what it
+    may allocate. A recording is the file `data` with the keys of docs/reference/recordings.md;
+    `memory` is how large it may be.
     """
 
     fmu: Text | None = None
     start: dict[str, Quantity | Flag] = {}
+    inherited: list[Text] = []
     isolate: Flag | None = None
     patience: Quantity | None = None
 
@@ -114,14 +118,14 @@ class MasterSettings(Table):
     see :func:`orchestrator.scenario.plan.usual`.
 
     The rest is for some methods only: `degree` of the polynomial that carries plain numbers
-    over a step, `acceleration` of iterations with its `relaxation`, when they count as
-    `settled` (relative) and how many `passes` they get.
+    over a step (1, and 3 where a tolerance controls the steps), `acceleration` of iterations with
+    its `relaxation`, when they count as `settled` (relative) and how many `passes` they get.
     """
 
     kind: Text = "auto"
     laws: Literal["held", "affine", "curvature"] = "curvature"
     order: list[Text] = []
-    degree: Annotated[int, Field(strict=True, ge=1, le=3)] = 1
+    degree: Annotated[int, Field(strict=True, ge=1, le=3)] | None = None
     acceleration: Literal["none", "relaxed", "aitken", "anderson"] = "none"
     relaxation: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 0.5
     settled: Annotated[float, Field(strict=True, gt=0.0, lt=0.1)] = 1e-9

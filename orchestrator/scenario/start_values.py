@@ -9,9 +9,13 @@ from .schema import Scenario
 
 
 def starts_of(
-    scenario: Scenario, interfaces: dict[str, Interface], problems: Problems
+    scenario: Scenario, interfaces: dict[str, Interface], problems: Problems, dropped: list[str]
 ) -> dict[str, dict[str, float | str]]:
-    """Start values in the FMUs' units, by component and variable."""
+    """Start values in the FMUs' units, by component and variable.
+
+    What does not fit is a problem; of start values that another FMU had in this place, it is
+    dropped, with a line in `dropped`.
+    """
     starts: dict[str, dict[str, float | str]] = {}
     for name, component in scenario.components.items():
         settable = {v.name: v for v in interfaces[name].of("parameter", "input")}
@@ -23,12 +27,18 @@ def starts_of(
                 hint = (
                     f"it is an {known[key].causality}" if key in known else nearest(key, settable)
                 )
-                problems.add(where, f"no parameter {key!r} in {name}; {hint}")
+                if key in component.inherited:
+                    dropped.append(f"start {name}.{key}: {component.fmu} has no such parameter")
+                else:
+                    problems.add(where, f"no parameter {key!r} in {name}; {hint}")
                 continue
             try:
                 starts[name][key] = start_value(settable[key], value)
             except UnitError as error:
-                problems.add(where, error)
+                if key in component.inherited:
+                    dropped.append(f"start {name}.{key}: {error}")
+                else:
+                    problems.add(where, error)
     return starts
 
 

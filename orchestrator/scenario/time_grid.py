@@ -11,6 +11,8 @@ from ..units import UnitError, si_value
 from .schema import AUTO, PerCycle, Scenario
 
 MOST_STEPS = 1_000_000_000
+FIRST = 0.1
+"""Share of the coarsest step of a search that step control by a tolerance starts with."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,11 @@ def grid_of(scenario: Scenario, frequency: float | None, problems: Problems) -> 
     if problems.at("time.frequency"):
         return None
     start = seconds("time.start", time.start, frequency, problems)
+    if frequency is None and "stop" not in time.model_fields_set:
+        problems.add(
+            "time.stop", "is missing: 50 cycles is usual, and nothing here has a frequency"
+        )
+        return None
     stop = seconds("time.stop", time.stop, frequency, problems)
     if isinstance(time.step, PerCycle):
         if frequency is None:
@@ -73,6 +80,8 @@ def grid_of(scenario: Scenario, frequency: float | None, problems: Problems) -> 
         step = 1.0 / frequency / time.step.per_cycle if frequency else 1.0
     elif time.step == AUTO:
         step = trial_step(start, stop, frequency)
+        if time.tolerance is not None:
+            step *= FIRST
     else:
         step = seconds("time.step", time.step, frequency, problems)
     if len(problems) > before:

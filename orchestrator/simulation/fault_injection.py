@@ -87,6 +87,7 @@ class FaultyInstance(Instance):
         self._instance.step(time, size)
         self._time = time + size
         self.steps, self.rollbacks = self._instance.steps, self._instance.rollbacks
+        self.warned, self.warning = self._instance.warned, self._instance.warning
 
     def receive(self, group: int = -1) -> None:
         """Read the outputs, then falsify those that have a fault at this time."""

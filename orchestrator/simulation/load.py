@@ -31,7 +31,8 @@ def load(
 def planned(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     """Checked plan of a scenario from a file at `path`, whose master is able to step it."""
     plan = check(scenario, path, library)
-    if scenario.time.step == AUTO and not _unsuited(plan):
+    searched = scenario.time.step == AUTO and scenario.time.tolerance is None
+    if searched and not _unsuited(plan):
         from .auto_step import automatic_step
 
         found = automatic_step(plan)

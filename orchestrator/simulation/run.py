@@ -8,12 +8,9 @@ from itertools import pairwise
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-
 from ..errors import OutputError, ResilinError, SimulationError
-from ..results.error_estimate import estimate as estimate_of
-from ..results.error_estimate import halved
-from ..results.outcome import Outcome, whole
+from ..results.error_estimate import halved, with_estimates
+from ..results.outcome import Outcome, Report
 from ..results.segments import Segments
 from ..scenario.plan import Plan
 from .compiled.drive import drive, drive_controlled, unsuited
@@ -35,6 +32,8 @@ from .system import System
 
 MOST_HELD = 1 << 25
 """Numbers of a run that an estimate holds in memory at most: 256 MB, and as much again."""
+BUDGET = 10.0
+"""Wall time of a run [s] up to which its error is estimated unasked, in twice that time."""
 
 
 def run(
@@ -48,8 +47,9 @@ def run(
 ) -> Outcome:
     """Load the instances of a plan, step them through its time span, and free them.
 
-    Steps are those of the scenario's grid, or with a tolerance of the size that it asks for. With
-    `estimate`, by default where there is a tolerance, the outcome carries estimated errors.
+    Steps are those of the scenario's grid, or with a tolerance of the size that it asks for. The
+    outcome carries estimated errors, see :func:`estimated`: of every run that takes up to `BUDGET`,
+    of a longer one with `estimate=True`, of none with False.
     A failure in mid-run does not raise: the outcome carries it beside what was recorded, and its
     `checked` raises it.
     `segments` takes the rows of a long run off memory. `observers` are called at each
@@ -60,9 +60,11 @@ def run(
     outcome = _stepped(
         plan, None, progress=progress, interrupt=interrupt, segments=segments, observers=observers
     )
-    wanted = plan.scenario.time.tolerance is not None if estimate is None else estimate
-    if not wanted or outcome.failure is not None:
+    if estimate is False or outcome.failure is not None:
         return outcome
+    if estimate is None and outcome.wall_time > BUDGET:
+        took = f"the run took {outcome.wall_time:.0f} s, and its error is estimated unasked up to"
+        return replace(outcome, doubt=f"{took} {BUDGET:g} s; ask with --estimate (estimate=True)")
     return estimated(outcome, interrupt=interrupt)
 
 
@@ -72,18 +74,17 @@ def replay(plan: Plan, points: Sequence[float], interrupt: Interrupt | None = No
 
 
 def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcome:
-    """The same outcome with the error of each variable estimated, at twice the run's cost.
+    """The same outcome with errors of variables and metrics estimated, at twice the run's cost.
 
-    The scenario is run again with half of each communication step; see
-    :func:`orchestrator.results.error_estimate.estimate`. Where that run fails the outcome stays
-    without estimates, and `doubt` is the reason.
+    The scenario is run again with half of each communication step, see
+    :func:`orchestrator.results.error_estimate.with_estimates`. Where that run fails the outcome
+    stays without estimates, and `doubt` is the reason.
     """
     if outcome.plan.fixed_step:
         fixed = ", ".join(outcome.plan.fixed_step)
         return replace(outcome, doubt=f"{fixed} can only take steps of one size")
     if outcome.kept * len(outcome.names) > MOST_HELD:
         return replace(outcome, doubt="the run is too long to be held in memory; see record.last")
-    times, held = whole(outcome)
     try:
         again = _stepped(outcome.plan, halved(outcome.points), interrupt=interrupt)
     except ResilinError as error:
@@ -92,10 +93,7 @@ def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcom
         return replace(outcome, failure=again.failure)
     if again.failure is not None:
         return replace(outcome, doubt=f"at half the step: {again.failure}")
-    _, mine, other = np.intersect1d(times, again.times, return_indices=True)
-    rows, finer = held[mine], again.rows[other]
-    estimates = {name: estimate_of(rows[:, k], finer[:, k]) for k, name in enumerate(outcome.names)}
-    return replace(outcome, estimates=estimates)
+    return with_estimates(outcome, again)
 
 
 def _stepped(
@@ -139,6 +137,10 @@ def _stepped(
         wall_time = perf_counter() - begun
         calls = {m.instance.name: m.instance.steps for m in system.instances}
         rollbacks = {m.instance.name: m.instance.rollbacks for m in system.instances}
+        reports = {
+            m.instance.name: Report(m.instance.messages, m.instance.warned, m.instance.warning)
+            for m in system.instances
+        }
     return Outcome(
         plan=plan,
         names=recorder.names,
@@ -155,6 +157,7 @@ def _stepped(
         residual=system.residual,
         segments=segments,
         python_loop=reason,
+        reports=reports,
     )
 
 

@@ -21,8 +21,9 @@ LONGEST = 8.0
 SHORTEST = 1e-5
 """Bounds of the step as multiples of the scenario's."""
 MEMORY = 0.1
-"""Cycles over which local errors are taken to add up."""
+"""Cycles over which local errors are taken to add up, where there are cycles."""
 ORDER = 2.0
+"""Order of the methods: with cycles the error per time is controlled, h^2, else the step's, h^3."""
 MILNE = 1.0 / 6.0
 """Share of an extrapolation's miss that is counted as the step's own error."""
 
@@ -120,9 +121,10 @@ def adaptive(
     """Step a system through its time span; communication points, steps, and rejections.
 
     The local error of a step, relative to the largest value seen, may use up its share of
-    the tolerance: step over the time in which errors add up, `MEMORY` cycles or the whole
-    run. A PI controller (Gustafsson 1991) sets the next step; a step that misses by more is
-    taken again, shorter, where all instances roll back. Steps end at discontinuities.
+    the tolerance: step over the time in which errors add up, `MEMORY` cycles. Where the scenario
+    has no cycle it may use up all of it, as solvers of ODEs have it. A PI controller (Gustafsson
+    1991) sets the next step; a step that misses by more is taken again, shorter, where all
+    instances roll back. Steps end at discontinuities.
     """
     plan = system.plan
     grid = plan.grid
@@ -189,7 +191,8 @@ class Control:
     def __init__(self, system: System, tolerance: float) -> None:
         grid, frequency = system.plan.grid, system.plan.frequency
         span = grid.stop - grid.start
-        self.span = min(span, MEMORY / frequency) if frequency else span
+        self.span = min(span, MEMORY / frequency) if frequency else 0.0
+        self.order = ORDER if frequency else ORDER + 1.0
         self.most = min(LONGEST * grid.step, span)
         if frequency:
             self.most = max(grid.step, min(self.most, 0.1 / frequency))
@@ -199,7 +202,7 @@ class Control:
 
     def judge(self, miss: float, size: float, *, rejects: bool) -> tuple[bool, float]:
         """Whether a step is good enough, and the size of the next."""
-        share = self.tolerance * size / self.span
+        share = self.tolerance * size / self.span if self.span else self.tolerance
         ratio = max(miss / share, 1e-6)
         if not math.isfinite(ratio):
             if not rejects:
@@ -207,7 +210,7 @@ class Control:
             return False, max(self.least, 0.2 * size)
         if rejects and ratio > 1.0 and size > self.least * (1.0 + 1e-6):
             self._before = 1.0
-            return False, max(self.least, size * max(0.2, 0.9 * ratio ** (-1.0 / ORDER)))
-        factor = 0.9 * ratio ** (-0.7 / ORDER) * self._before ** (0.4 / ORDER)
+            return False, max(self.least, size * max(0.2, 0.9 * ratio ** (-1.0 / self.order)))
+        factor = 0.9 * ratio ** (-0.7 / self.order) * self._before ** (0.4 / self.order)
         self._before = ratio
         return True, float(np.clip(size * min(4.0, max(0.2, factor)), self.least, self.most))

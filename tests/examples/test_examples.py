@@ -78,10 +78,11 @@ def named(paths: list[Path]) -> list[str]:
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=named(EXAMPLES))
 def test_an_example_runs_and_its_figures_are_right(
-    example: Path, library: Path, tmp_path: Path
+    example: Path, python_parts: Path, native: Path, tmp_path: Path
 ) -> None:
     (tmp_path / "build").mkdir()
-    (tmp_path / "build" / "fmus").symlink_to(library)
+    (tmp_path / "build" / "fmus").symlink_to(python_parts)
+    (tmp_path / "build" / "native").symlink_to(native)
     done = subprocess.run(
         python("-W", "error", example),
         cwd=tmp_path,

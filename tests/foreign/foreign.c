@@ -1,7 +1,7 @@
 /*
 Small co-simulation FMUs that stand for foreign ones: one model and one version of FMI per library.
 
-  -DMODEL_PAIR | MODEL_MASS | MODEL_GAIN | MODEL_TYPES | MODEL_FAULTY
+  -DMODEL_PAIR | MODEL_MASS | MODEL_POPULATION | MODEL_GAIN | MODEL_TYPES | MODEL_FAULTY
   -DFMI_VERSION=2 | 3
   -DROLLBACK        the state can be taken, set back and freed; else these calls fail
   -DVARIABLE_STEP   steps of any size; else all must have the size of the first
@@ -175,6 +175,18 @@ static void integrate(State *s, double size)
         }
     }
 }
+
+#elif defined MODEL_POPULATION
+
+static void observe(State *s)
+{
+    if (!s->ready)
+        s->x = R(start_size);
+    R(size) = s->x;
+}
+
+/* Exact for a partner that stays as it is. */
+static void integrate(State *s, double size) { s->x *= exp((R(growth) + R(effect) * R(other)) * size); }
 
 #elif defined MODEL_GAIN
 

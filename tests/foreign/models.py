@@ -157,6 +157,14 @@ MASS = (
     _output("velocity", "m/s", "Velocity"),
 )
 
+POPULATION = (
+    _input("other", "1", "Size of the other population"),
+    _parameter("growth", "1/s", "Rate of growth without the other", 1.0),
+    _parameter("effect", "1/s", "What the other adds to it per head", 0.0),
+    _parameter("start_size", "1", "Size at the start", 1.0, least=0.0),
+    _output("size", "1", "Size of the population"),
+)
+
 GAIN = (
     _input("u", "1", "What is amplified"),
     _parameter("gain", "1", "Amplification", 1.0),
@@ -228,6 +236,7 @@ def _types(version: int) -> tuple[Variable, ...]:
 MODELS: dict[str, tuple[str, tuple[Variable, ...]]] = {
     "PAIR": ("Two springs between two masses and the ground", PAIR),
     "MASS": ("A mass, a spring and a damper: m x'' + d x' + k x = force", MASS),
+    "POPULATION": ("Of prey or of its predators: x' = (growth + effect other) x", POPULATION),
     "GAIN": ("y = gain u + offset, at once", GAIN),
     "TYPES": ("Echoes of every type of variable", ()),
     "FAULTY": ("A gain that fails on demand", FAULTY),

@@ -20,6 +20,7 @@ from ...errors import printable
 from ..description import Interface, Variable
 
 STATUS = ("OK", "warning", "discard", "error", "fatal", "pending")
+WARNING = 1
 FAULTY = (3, 4)
 MOST_MESSAGES = 200
 Values = NDArray[np.float64]
@@ -38,14 +39,18 @@ class Instance(ABC):
 
     Inputs and outputs travel through the buffers given to :meth:`connect`, in the order of
     the variables given there. The caller keeps the time: an instance only passes it on.
+    `warned` counts the steps that came back with a warning, `warning` is the first text of one.
     """
 
     def __init__(self, name: str, interface: Interface) -> None:
         self.name = name
         self.interface = interface
         self.message_count = 0
-        self._first: list[str] = []
-        self._last = ""
+        self._first: list[tuple[int, str]] = []
+        self._last: tuple[int, str] | None = None
+        self._last_error = ""
+        self.warning = ""
+        self.warned = 0
         self.steps = 0
         self.rollbacks = 0
         self._faults = c_int32()
@@ -130,18 +135,33 @@ class Instance(ABC):
             return
         self.message_count += 1
         if len(self._first) < MOST_MESSAGES - 1:
-            self._first.append(self._shown(message))
+            self._first.append((status, self._shown(message)))
         else:
-            self._last = message
+            self._last = (status, message)
+        if status in FAULTY:
+            self._last_error = self._shown(message)
+        elif status == WARNING and not self.warning:
+            self.warning = self._shown(message)
+
+    @property
+    def logged(self) -> list[tuple[int, str]]:
+        """Status and text of the messages that were kept, safe to print."""
+        last = [(self._last[0], self._shown(self._last[1]))] if self._last else []
+        return self._first + last
 
     @property
     def messages(self) -> list[str]:
         """The messages that were kept, safe to print."""
-        return [*self._first, self._shown(self._last)] if self._last else list(self._first)
+        return [text for _, text in self.logged]
 
     def _shown(self, message: str) -> str:
         return printable(message, most=500).removeprefix(f"{self.name}: ")
 
     def last_message(self) -> str:
-        """`: ` and the last message, to be appended to an error; "" without messages."""
-        return f": {self.messages[-1]}" if self.message_count else ""
+        """`: ` and the last error, then the last message; "" without messages."""
+        if not self.message_count:
+            return ""
+        last = self.messages[-1]
+        if self._last_error in ("", last):
+            return f": {last}"
+        return f": {self._last_error}; last message: {last}"

@@ -61,6 +61,7 @@ class Fmi2Instance(InProcessInstance):
     ) -> None:
         setup = self._function("fmi2SetupExperiment", POINTER, FLAG, DOUBLE, DOUBLE, FLAG, DOUBLE)
         self._call(setup, int(tolerance is not None), tolerance or 0.0, time, 1, stop)
+        self._now = time
         self._set_starts(start)
 
     def _transfer_function(self, verb: str, kind: str) -> Any:
@@ -97,7 +98,8 @@ class Fmi2Instance(InProcessInstance):
         self._running = True
 
     def _advance(self, time: float, size: float) -> int:
-        status: int = self._do_step(self._instance, time, size, not self._saved)
+        final = not self._returns(time, size)
+        status: int = self._do_step(self._instance, time, size, final)
         return status
 
     def _state_function(self, verb: str) -> Any:

@@ -68,6 +68,7 @@ class Fmi3Instance(InProcessInstance):
     ) -> None:
         self._set_starts(start)
         self._span = (tolerance, time, stop)
+        self._now = time
 
     def enter_initialisation(self) -> None:
         tolerance, time, stop = self._span
@@ -106,8 +107,8 @@ class Fmi3Instance(InProcessInstance):
         self._call(set_string, ctypes.addressof(reference), 1, ctypes.addressof(values), 1)
 
     def _advance(self, time: float, size: float) -> int:
-        kept = not self._saved
-        status = int(self._do_step(self._instance, time, size, kept, *self._flags))
+        final = not self._returns(time, size)
+        status = int(self._do_step(self._instance, time, size, final, *self._flags))
         if status in (0, 1):
             self._refuse(time, size)
         return status

@@ -15,11 +15,13 @@ import numpy as np
 
 from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable
-from .base import STATUS, Instance, Values
+from .base import STATUS, WARNING, Instance, Values
 from .buffers import Block, blocks, is_too_wide, reader, too_wide, writer
 from .library import loaded, shared_library
 
 FATAL = 4
+PRESENT = 1e-6
+"""Share of a step by which times of one communication point differ at most, by rounding."""
 SEND, STEP, RECEIVE_FIRST, RECEIVE, SAVE, RESTORE, FORGET, REFUSED, BEYOND = range(9)
 """Which call of an instance has failed, as `loop.h` of the compiled loop numbers them."""
 
@@ -33,13 +35,14 @@ class Binding:
     """An instance for a caller in C: addresses of functions, and the blocks to call them with.
 
     `flags` are the addresses of the results of an FMI 3 step, `states` those of get, set and free
-    of FMU states; `faults` counts error messages.
+    of FMU states; `faults` counts error messages. It stands at the time `now` [s].
     """
 
     component: Any
     do_step: int
     faults: ctypes.c_int32
     saved: int
+    now: float
     flags: tuple[int, ...]
     states: tuple[int, int, int]
     set: Calls
@@ -67,7 +70,8 @@ class InProcessInstance(Instance):
         self._instance: Any = None
         self._broken = False
         self._reason = ""
-        self._saved = 0
+        self._saved: dict[int | None, float] = {}
+        self._now = 0.0
         self._functions: dict[str, Any] = {}
         self._do_step: Any = None
         self._flags: tuple[int, ...] = ()
@@ -170,26 +174,34 @@ class InProcessInstance(Instance):
 
     def step(self, time: float, size: float) -> None:
         self.steps += 1
-        if status := self._advance(time, size):
+        status = self._advance(time, size)
+        self._now = time + size
+        self.warned += status == WARNING
+        if status:
             self._fail(f"step from t = {time:.9g} s by {size:.4g} s", status)
 
     @abstractmethod
     def _advance(self, time: float, size: float) -> int:
-        """Status of one doStep, which may be rolled back only while a state is saved."""
+        """Status of one doStep, which may be rolled back only while an earlier state is saved."""
 
     def save(self) -> Any:
         state = ctypes.c_void_p()
         self._call(self._state_function("Get"), ctypes.addressof(state))
-        self._saved += 1
+        self._saved[state.value] = self._now
         return state
 
     def restore(self, state: Any) -> None:
         self.rollbacks += 1
         self.faults = 0
         self._call(self._state_function("Set"), state)
+        self._now = self._saved[state.value]
+
+    def _returns(self, time: float, size: float) -> bool:
+        """Whether a state is saved that is older than a step: one at its beginning is not prior."""
+        return any(at < time - PRESENT * size for at in self._saved.values())
 
     def forget(self, state: Any) -> None:
-        self._saved -= 1
+        self._saved.pop(state.value, None)
         if not self._broken:
             self._call(self._state_function("Free"), ctypes.addressof(state))
 
@@ -199,7 +211,8 @@ class InProcessInstance(Instance):
             component=self._instance,
             do_step=address(self._do_step),
             faults=self._faults,
-            saved=self._saved,
+            saved=len(self._saved),
+            now=self._now,
             flags=self._flags,
             states=self._state_addresses(),
             set=([(b, self._transfer("Set", b.kind)) for b in self._sent], self._given),
@@ -266,7 +279,7 @@ class InProcessInstance(Instance):
             self._fail(function.__name__, status)
 
     def _fail(self, what: str, status: int) -> None:
-        if status == 1:
+        if status == WARNING:
             return
         self._broken = status >= FATAL
         label = STATUS[status] if 0 <= status < len(STATUS) else f"status {status}"

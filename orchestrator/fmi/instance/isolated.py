@@ -75,7 +75,7 @@ class IsolatedInstance(Instance):
         self._watch.begin()
         try:
             write_all(self._to, command(letter, payload))
-            kind, text, messages, values = read_answer(self._from)
+            kind, text, log, values = read_answer(self._from)
         except Gone:
             self._reason = f"{self.name}: {what}: {self._end_of_process()}{self.last_message()}"
             raise InstanceFailure(self._reason) from None
@@ -85,8 +85,9 @@ class IsolatedInstance(Instance):
         finally:
             self._watch.end()
         self._lost = False
-        for message in messages:
-            self.log(0, message)
+        for status, message in log.messages:
+            self.log(status, message)
+        self.warned += log.warned
         if kind == b"k":
             return text, values
         raise (FmuError if kind == b"e" else InstanceFailure)(str(text))

@@ -53,11 +53,16 @@ class Host:
 
     def _with_messages(self, text: Any) -> Any:
         """Text of an answer, with the messages that have come since the last answer."""
-        fresh: list[str] = []
-        if self.instance is not None and self.instance.message_count > self.reported:
-            fresh = self.instance.messages[self.reported - self.instance.message_count :]
-            self.reported = self.instance.message_count
-        return None if text is None and not fresh else {"text": text, "messages": fresh}
+        fresh: list[tuple[int, str]] = []
+        warned = 0
+        if self.instance is not None:
+            warned, self.instance.warned = self.instance.warned, 0
+            if self.instance.message_count > self.reported:
+                fresh = self.instance.logged[self.reported - self.instance.message_count :]
+                self.reported = self.instance.message_count
+        if text is None and not fresh and not warned:
+            return None
+        return {"text": text, "messages": fresh, "warned": warned}
 
     def execute(self, letter: str, payload: bytes) -> tuple[Any, bytes]:
         """Carry out one command; text and values of the answer."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import struct
+from dataclasses import dataclass
 from typing import Any
 
 COMMAND = struct.Struct("<cI")
@@ -60,14 +61,24 @@ def answer(letter: bytes, text: Any = None, values: bytes = b"") -> bytes:
     return ANSWER.pack(letter, len(words), len(values)) + words + values
 
 
-def read_answer(descriptor: int) -> tuple[bytes, Any, list[str], bytes]:
-    """Letter, text, messages and values of an answer; `Garbled` where it is not one."""
+@dataclass(frozen=True)
+class Log:
+    """What an instance has reported since the last answer: messages with their status, warnings."""
+
+    messages: list[tuple[int, str]]
+    warned: int
+
+
+def read_answer(descriptor: int) -> tuple[bytes, Any, Log, bytes]:
+    """Letter, text, log and values of an answer; `Garbled` where it is not one."""
     letter, words, values = ANSWER.unpack(read_exactly(descriptor, ANSWER.size))
     if letter not in (b"k", b"f", b"e") or max(words, values) > MOST_BYTES:
         raise Garbled
     try:
         found = json.loads(read_exactly(descriptor, words)) if words else {}
-        text, messages = found.get("text"), [str(m) for m in found.get("messages", [])]
+        text = found.get("text")
+        messages = [(int(status), str(words)) for status, words in found.get("messages", [])]
+        log = Log(messages, int(found.get("warned", 0)))
     except (ValueError, TypeError, AttributeError, RecursionError):
         raise Garbled from None
-    return letter, text, messages, read_exactly(descriptor, values)
+    return letter, text, log, read_exactly(descriptor, values)

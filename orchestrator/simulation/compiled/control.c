@@ -4,7 +4,6 @@
 
 #include "loop.h"
 
-#define ORDER 2.0
 #define MILNE (1.0 / 6.0)
 enum { FATAL_STATUS = 4 };
 
@@ -99,7 +98,8 @@ static double clipped(double size, double least, double most) {
 
 /* PI control: whether a step is good enough (-1: neither that nor to be repeated). */
 static int judge(Control *control, double miss, double size) {
-    double share = control->tolerance * size / control->span;
+    double share = control->span > 0.0 ? control->tolerance * size / control->span
+                                       : control->tolerance;
     double ratio = miss / share, factor;
     if (1e-6 > ratio) ratio = 1e-6;
     if (!isfinite(ratio)) {
@@ -108,13 +108,13 @@ static int judge(Control *control, double miss, double size) {
         return 0;
     }
     if (control->doubling && ratio > 1.0 && size > control->least * (1.0 + 1e-6)) {
-        factor = 0.9 * pow(ratio, -1.0 / ORDER);
+        factor = 0.9 * pow(ratio, -1.0 / control->order);
         if (!(factor > 0.2)) factor = 0.2;
         control->before = 1.0;
         control->next = size * factor > control->least ? size * factor : control->least;
         return 0;
     }
-    factor = 0.9 * pow(ratio, -0.7 / ORDER) * pow(control->before, 0.4 / ORDER);
+    factor = 0.9 * pow(ratio, -0.7 / control->order) * pow(control->before, 0.4 / control->order);
     control->before = ratio;
     factor = factor > 0.2 ? factor : 0.2;
     factor = factor < 4.0 ? factor : 4.0;

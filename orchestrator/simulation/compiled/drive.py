@@ -161,6 +161,7 @@ class _Drive:
             if made.version:
                 coupled.instance.steps = made.steps
                 coupled.instance.rollbacks = made.rollbacks
+                coupled.instance.warned = made.warned
         if self.audit is not None:
             for made, coupling in zip(self.layout.couplings, self.audit.couplings, strict=False):
                 coupling.created, coupling.exchanged = made.created, made.exchanged

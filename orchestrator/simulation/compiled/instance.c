@@ -6,6 +6,9 @@
 
 #include "loop.h"
 
+/* Share of a step by which times of one communication point differ at most, by rounding. */
+#define PRESENT 1e-6
+
 typedef int (*Fmi2Transfer)(void *, const uint32_t *, size_t, void *);
 typedef int (*Fmi3Transfer)(void *, const uint32_t *, size_t, void *, size_t);
 typedef int (*Fmi2Step)(void *, double, double, int);
@@ -115,20 +118,22 @@ int gather(Instance *instance) {
     return pass_on(instance, 1);
 }
 
-/* One doStep; a saved state is reported as kept for a rollback. */
+/* One doStep; a saved state is reported as kept for a rollback, if it is older than the step. */
 int step_instance(Instance *instance, double time, double size) {
-    int status;
+    int status, final = !(instance->kept < time - PRESENT * size);
     instance->steps++;
+    instance->now = time + size;
     if (instance->version == 0) return instance->serve(STEP, time, size);
     if (instance->version == 3) {
-        status = ((Fmi3Step)instance->do_step)(instance->component, time, size, !instance->saved,
+        status = ((Fmi3Step)instance->do_step)(instance->component, time, size, final,
                                                instance->flags[0], instance->flags[1],
                                                instance->flags[2], instance->reached);
         if (status <= 1 && (*instance->flags[0] || *instance->flags[1] || *instance->flags[2]))
             return REFUSED_STATUS;
     } else {
-        status = ((Fmi2Step)instance->do_step)(instance->component, time, size, !instance->saved);
+        status = ((Fmi2Step)instance->do_step)(instance->component, time, size, final);
     }
+    instance->warned += status == 1;
     return status == 1 ? 0 : status;
 }
 
@@ -155,6 +160,7 @@ int save_state(Instance *instance, void **state) {
     *state = NULL;
     status = ((StateCall)instance->get_state)(instance->component, (void *)state);
     instance->saved++;
+    if (instance->now < instance->kept) instance->kept = instance->now;
     return status == 1 ? 0 : status;
 }
 
@@ -163,6 +169,7 @@ int restore_state(Instance *instance, void *state) {
     instance->rollbacks++;
     if (instance->version == 0) return instance->serve(RESTORE, 0.0, 0.0);
     *instance->faults = 0;
+    instance->now = instance->kept;
     status = ((StateCall)instance->set_state)(instance->component, state);
     return status == 1 ? 0 : status;
 }
@@ -170,7 +177,7 @@ int restore_state(Instance *instance, void *state) {
 int forget_state(Instance *instance, void **state) {
     int status;
     if (instance->version == 0) return instance->serve(FORGET, 0.0, 0.0);
-    instance->saved--;
+    if (--instance->saved == 0) instance->kept = INFINITY;
     status = ((StateCall)instance->free_state)(instance->component, (void *)state);
     return status == 1 ? 0 : status;
 }

@@ -172,6 +172,7 @@ class Layout:
         made.component, made.do_step = binding.component, binding.do_step
         made.faults = ctypes.addressof(binding.faults)
         made.saved = binding.saved
+        made.now, made.kept = binding.now, -inf if binding.saved else inf
         made.get_state, made.set_state, made.free_state = binding.states
         if binding.flags:
             made.flags = (c.POINTER * 3)(*binding.flags[:3])
@@ -310,6 +311,7 @@ class Layout:
             taken_capacity=len(self.taken),
             tolerance=settings.tolerance,
             span=settings.span,
+            order=settings.order,
             most=settings.most,
             least=settings.least,
             before=1.0,

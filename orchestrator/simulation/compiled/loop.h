@@ -75,7 +75,8 @@ typedef struct {
     Transfer set, get[2];              /* get[0]: what later instances need; get[1]: everything */
     int64_t move_count, wired, plain_count;
     int64_t first, past;               /* stretch of the system's values */
-    int64_t steps, rollbacks, saved;
+    int64_t steps, rollbacks, saved, warned;
+    double now, kept;                  /* its time; that of the oldest state which is saved */
     int32_t version, direct;
 } Instance;
 
@@ -145,7 +146,7 @@ typedef struct {
     Past kept_past, seen;
     double *taken;                     /* communication points so far */
     int64_t column_count, taken_count, taken_capacity, rejected;
-    double tolerance, span, most, least, before, first;
+    double tolerance, span, order, most, least, before, first;
     double next, event;                /* size of the next step; event announced before the last */
     int32_t doubling, arrived;
 } Control;

@@ -81,6 +81,9 @@ class Instance(ctypes.Structure):
         ("steps", LONG),
         ("rollbacks", LONG),
         ("saved", LONG),
+        ("warned", LONG),
+        ("now", DOUBLE),
+        ("kept", DOUBLE),
         ("version", INT),
         ("direct", INT),
     ]
@@ -219,6 +222,7 @@ class Control(ctypes.Structure):
         ("rejected", LONG),
         ("tolerance", DOUBLE),
         ("span", DOUBLE),
+        ("order", DOUBLE),
         ("most", DOUBLE),
         ("least", DOUBLE),
         ("before", DOUBLE),

@@ -12,6 +12,9 @@ from ..system import System
 from .base import Master
 from .extrapolation import Past, combined, mean_weights, point_weights
 
+CONTROLLED_DEGREE = 3
+"""Degree with a tolerance: a prey and predator of 1e-6 take a quarter of the steps of degree 1."""
+
 
 class Extrapolated(Master):
     """Hold plain real numbers at the mean over the step of a polynomial of some degree.
@@ -30,7 +33,8 @@ class Extrapolated(Master):
 
     def __init__(self, system: System, settings: MasterSettings) -> None:
         super().__init__(system, settings)
-        self.degree = settings.degree
+        controlled = system.plan.scenario.time.tolerance is not None
+        self.degree = settings.degree or (CONTROLLED_DEGREE if controlled else 1)
         self._past = Past(self.degree + 1)
 
     def advance(self, time: float, size: float) -> None:

@@ -15,10 +15,10 @@ from orchestrator.simulation.run import run
 
 
 @pytest.fixture
-def both(library: Path, native: Path, tmp_path: Path) -> Path:
+def both(python_parts: Path, native: Path, tmp_path: Path) -> Path:
     """A library with the parts of `oscillator-1` in both kinds."""
     for name in ("amplifier", "spring", "payload"):
-        for kind, folder in (("fmus", library), ("native", native)):
+        for kind, folder in (("fmus", python_parts), ("native", native)):
             (tmp_path / kind).mkdir(exist_ok=True)
             shutil.copyfile(folder / f"{name}.fmu", tmp_path / kind / f"{name}.fmu")
     return tmp_path

@@ -24,11 +24,11 @@ from orchestrator.studies.reference.monolith import monolithic
     ],
 )
 def test_a_scenario_gives_the_same_bits(
-    library: Path, native: Path, scenario: str, kind: str
+    python_parts: Path, native: Path, scenario: str, kind: str
 ) -> None:
     both = [
         run(load(scenario, None, parts, time={"stop": "1 cycles"}, master={"kind": kind}))
-        for parts in (library, native)
+        for parts in (python_parts, native)
     ]
     first, second = both
     assert first.failure is None
@@ -62,12 +62,12 @@ def test_the_option(native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def test_the_monolith_comes_from_the_sibling_folder(
-    library: Path, native: Path, tmp_path: Path
+    python_parts: Path, native: Path, tmp_path: Path
 ) -> None:
     (tmp_path / "native").symlink_to(native)
     plan = load("oscillator-1", None, tmp_path / "native")
     with pytest.raises(FmuError, match="no such file"):
         monolithic(plan, tmp_path / "native")
-    (tmp_path / "fmus").symlink_to(library)
+    (tmp_path / "fmus").symlink_to(python_parts)
     single = monolithic(plan, tmp_path / "native")
     assert single.interfaces["monolith"].path == tmp_path / "fmus" / "monolith.fmu"

@@ -113,11 +113,11 @@ def test_a_part_alone(native: Path, tmp_path: Path) -> None:
 
 
 def test_python_parts_and_native_ones_give_the_same(
-    library: Path, native: Path, tmp_path: Path
+    python_parts: Path, native: Path, tmp_path: Path
 ) -> None:
     path = pushed(tmp_path / "bench.csv", 1e-6)
     values = []
-    for folder in (library, native):
+    for folder in (python_parts, native):
         case = case_of(path, Asked(["payload"]), folder)
         values.append(identify(case, unknowns_of(["mass"], case.plan, ["payload"])).values[0])
     assert values[0] == values[1]
