@@ -74,6 +74,8 @@ def linearise(
                 "poles": [[pole.real, pole.imag] for pole in poles],
                 "spectral_radius": radii,
                 "rest": dict(zip(found.outputs, found.rest.tolist(), strict=True)),
+                "left_out": found.left_out,
+                "error_on_second_record": found.matched,
             }
         )
         return
@@ -109,6 +111,9 @@ def _report(found: Linear, radii: dict[str, float]) -> None:
         table.add_row(text, f"{size / (2 * np.pi):.5g} Hz", f"{-pole.real / size:.5g}")
     console = Console()
     console.print(table)
+    console.print(f"error on a second record: {found.matched:.1e}", highlight=False)
+    for name, reason in found.left_out.items():
+        console.print(f"left out: {name} {reason}", highlight=False, soft_wrap=True)
     for name, radius in radii.items():
         verdict = "stable" if radius <= 1.0 + 1e-6 else "unstable"
         console.print(

@@ -2,13 +2,14 @@
 
 Each input is nudged for one communication step, up and down; half the difference of the
 responses is the sequence of Markov parameters, free of even terms. The eigensystem
-realisation (Juang and Pappa 1985) turns it into x(k+1) = A x(k) + B u(k), y(k) = C x(k) + D u(k).
+realisation (Juang and Pappa 1985) turns it into x(k+1) = A x(k) + B u(k), y(k) = C x(k) + D u(k),
+and a second record, of another shape and twice as long, decides whether that is the system.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,28 +17,40 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, SimulationError
 from ...scenario.plan import Plan
+from ..coupled_instance import CoupledInstance
 from ..masters import Master, master_class
 from ..stepper import Stepper
 from ..system import System
+from .realisation import Hankel, held_response
+from .realisation import System as Triple
 
 if TYPE_CHECKING:
     import control
 
 Values = NDArray[np.float64]
 AT_REST = 1e-9
-MOST_STEPS = 200_000
+MOST_STEPS = 100_000
 WINDOW = 200
 COUNT = 240
 NUDGE = 1e-4
-SMALLEST = 1e-9
-"""Singular value, relative to the largest, below which there is only noise."""
+UNEVEN = 0.1
+"""Even share of a response from which on an output is not smooth."""
+UNMOVED = 1e-10
+"""Response relative to the value at rest below which an output does not move."""
+MATCHED = 0.02
+"""Error, by the largest value, that the system may have on the second record."""
+PERIODIC = 0.995
+STUBBORN = 20
+"""Windows over which the motion has to fall to this share: else nothing comes to rest."""
 
 
 @dataclass(frozen=True)
 class Linear:
     """A discrete linear system with named signals; `step` is its sampling time [s].
 
-    Inputs are held over a step. `rest` holds the outputs at the point of linearisation.
+    Inputs are held over a step. `rest` holds the outputs at the point of linearisation,
+    `left_out` the outputs that have no linear response, with the reason. `matched` is the error on
+    a second record, relative to the largest value.
     """
 
     a: Values
@@ -48,6 +61,8 @@ class Linear:
     inputs: list[str]
     outputs: list[str]
     rest: Values
+    left_out: dict[str, str] = field(default_factory=dict)
+    matched: float = 0.0
 
     def eigenvalues(self) -> NDArray[np.complex128]:
         """Poles in continuous time [1/s], s = ln(lambda)/h, slowest decay first."""
@@ -93,24 +108,48 @@ def linearise(
 ) -> Linear:
     """Linear system of a scenario about its state of rest, by its own master and step.
 
-    `inputs` are held inputs, by default all real ones; `outputs` recorded variables. Raises
-    `InputError` where an instance cannot roll back, where a name is not known, and where the
-    scenario does not come to rest.
+    `inputs` are held inputs, by default all real ones; `outputs` recorded variables, by default
+    all that answer smoothly. The order is that with the widest gap in the singular values whose
+    system meets a second record. Raises `InputError` where an instance cannot roll back, where a
+    name is not known, where the scenario does not come to rest, where an output that is asked for
+    does not answer, and where no linear system meets the records.
     """
     unable = [name for name, known in plan.interfaces.items() if not known.rollback]
     if unable:
         raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
-    with System(plan) as system:
+    with System(endless(plan)) as system:
         master = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
         stepper = Stepper(system, master)
         time, _ = rest(system, stepper)
         held = _held(system, inputs)
         shown = _columns(system, outputs)
-        sequence, direct = _markov(system, master, time, held, shown, count)
-        resting = system.values[shown].copy()
-    a, b, c = realise(sequence, order)
-    names = [system.names[k] for k in shown]
-    return Linear(a, b, c, direct, plan.grid.step, list(held), names, resting)
+        probe = _Probe(system, master, time, held, shown)
+        sequence, direct, even = probe.impulses(count)
+        left_out = _left_out(probe, sequence, direct, even)
+        kept = [i for i, k in enumerate(shown) if system.names[k] not in left_out]
+        if not kept or (outputs and left_out):
+            reasons = "; ".join(f"{name} {reason}" for name, reason in left_out.items())
+            raise InputError(f"{plan.path}: not linearised: {reasons or 'nothing is recorded'}")
+        second = probe.held_steps(2 * count)[:, kept]
+    sequence, direct = sequence[:, kept], direct[kept]
+    found, matched = _matching(sequence, direct, second, order, plan)
+    if left_out and not len(found[0]):
+        reasons = "; ".join(f"{name} {reason}" for name, reason in left_out.items())
+        raise InputError(f"{plan.path}: not linearised: no motion is left: {reasons}")
+    names = [system.names[shown[i]] for i in kept]
+    step, resting = plan.grid.step, probe.resting[kept]
+    return Linear(*found, direct, step, list(held), names, resting, left_out, matched)
+
+
+def endless(plan: Plan, step: float | None = None) -> Plan:
+    """The same plan with a stop time that no search for a state of rest reaches.
+
+    An instance that is told a stop time may refuse to step beyond it.
+    """
+    grid = plan.grid
+    count = 2 * MOST_STEPS
+    stop = grid.start + count * max(grid.step, step or 0.0)
+    return replace(plan, grid=replace(grid, stop=stop, count=count))
 
 
 def rest(system: System, stepper: Stepper) -> tuple[float, Values]:
@@ -120,11 +159,16 @@ def rest(system: System, stepper: Stepper) -> tuple[float, Values]:
     largest = np.abs(system.values)
     begin = system.values[kept].copy()
     moved = np.zeros(len(kept))
+    motion: list[Values] = []
     for k in range(MOST_STEPS):
         time = grid.start + k * grid.step
         if k and k % WINDOW == 0:
             if np.all(moved <= AT_REST * (largest[kept] + 1e-12)):
                 return time, largest
+            motion = [*motion[-STUBBORN:], moved]
+            worst = int(np.argmax(moved / (largest[kept] + 1e-12)))
+            if len(motion) > STUBBORN and moved[worst] > PERIODIC * max(m[worst] for m in motion):
+                break
             begin, moved = system.values[kept].copy(), np.zeros(len(kept))
         stepper.to(time, grid.start + (k + 1) * grid.step, grid.step)
         now = system.values[kept]
@@ -134,7 +178,7 @@ def rest(system: System, stepper: Stepper) -> tuple[float, Values]:
             raise SimulationError(f"{system.plan.path}: leaves all bounds before it comes to rest")
     worst = int(np.argmax(moved / (largest[kept] + 1e-12)))
     raise InputError(
-        f"{system.plan.path}: {system.names[kept[worst]]} does not come to rest in {MOST_STEPS}"
+        f"{system.plan.path}: {system.names[kept[worst]]} does not come to rest in {k + 1}"
         " steps; switch the drive off, as --set amplifier.amplitude=0"
     )
 
@@ -173,61 +217,102 @@ def _columns(system: System, wanted: Sequence[str] | None) -> list[int]:
     ]
 
 
-def _markov(
-    system: System, master: Master, time: float, held: dict[str, tuple[Any, int]],
-    shown: list[int], count: int,
-) -> tuple[Values, Values]:  # fmt: skip
-    """Markov parameters (count, outputs, inputs) from the second on, and the first, D."""
-    moment, memory = system.save(), master.remember()
-    sequence = np.zeros((count, len(shown), len(held)))
-    direct = np.zeros((len(shown), len(held)))
-    for column, (coupled, place) in enumerate(held.values()):
-        at = coupled.buffer[place]
-        size = NUDGE * max(abs(float(at)), 1.0)
-        for sign in (1.0, -1.0):
-            system.restore(moment)
-            master.recall(memory)
-            coupled.buffer[place] = at + sign * size
-            coupled.follow()
-            system.follow()
-            direct[:, column] += sign * system.values[shown]
-            for k in range(count):
-                master.advance(time + k * system.plan.grid.step, system.plan.grid.step)
-                if k == 0:
-                    coupled.buffer[place] = at
-                    coupled.follow()
-                    system.follow()
-                sequence[k, :, column] += sign * system.values[shown]
-        sequence[:, :, column] /= 2.0 * size
-        direct[:, column] /= 2.0 * size
-    system.restore(moment)
-    system.forget(moment)
-    return sequence, direct
+@dataclass(frozen=True)
+class _Probe:
+    """A system at rest whose held inputs are nudged; everything goes back to rest before each."""
+
+    system: System
+    master: Master
+    time: float
+    held: dict[str, tuple[CoupledInstance, int]]
+    shown: list[int]
+
+    @property
+    def resting(self) -> Values:
+        return self.system.values[self.shown].copy()
+
+    def size(self, name: str) -> float:
+        """Size of the nudge of an input, in its unit."""
+        coupled, place = self.held[name]
+        return NUDGE * max(abs(float(coupled.buffer[place])), 1.0)
+
+    def impulses(self, count: int) -> tuple[Values, Values, Values]:
+        """Markov parameters (count, outputs, inputs) from the second on, the first, D, and even.
+
+        The last is the largest even part of each output's responses (outputs, inputs).
+        """
+        sequence = np.zeros((count, len(self.shown), len(self.held)))
+        direct = np.zeros((len(self.shown), len(self.held)))
+        even = np.zeros_like(direct)
+        for column, name in enumerate(self.held):
+            size = self.size(name)
+            up, down = (self._response(name, sign * size, 1, count) for sign in (1.0, -1.0))
+            odd = (up - down) / (2.0 * size)
+            direct[:, column], sequence[:, :, column] = odd[0], odd[1:]
+            even[:, column] = np.abs(up + down).max(axis=0, initial=0.0) / (2.0 * size)
+        return sequence, direct, even
+
+    def held_steps(self, count: int) -> Values:
+        """Responses (count, outputs, inputs) to nudges, half as large, that stay."""
+        found = np.zeros((count, len(self.shown), len(self.held)))
+        for column, name in enumerate(self.held):
+            size = 0.5 * self.size(name)
+            found[:, :, column] = self._response(name, size, count, count - 1) / size
+        return found
+
+    def _response(self, name: str, nudge: float, lasting: int, count: int) -> Values:
+        """Change of the outputs (count + 1, outputs) under a nudge that lasts some steps."""
+        system, size = self.system, self.system.plan.grid.step
+        coupled, place = self.held[name]
+        at, resting = float(coupled.buffer[place]), self.resting
+        moment, memory = system.save(), self.master.remember()
+        found = np.zeros((count + 1, len(self.shown)))
+        for k in range(count + 1):
+            if k in (0, lasting):
+                coupled.buffer[place] = at + (nudge if k == 0 else 0.0)
+                coupled.follow()
+                system.follow()
+            found[k] = system.values[self.shown] - resting
+            if k < count:
+                self.master.advance(self.time + k * size, size)
+        system.restore(moment)
+        self.master.recall(memory)
+        system.forget(moment)
+        return found
 
 
-def realise(
-    sequence: Values, order: int | None = None, smallest: float = SMALLEST
-) -> tuple[Values, Values, Values]:
-    """A, B, C whose Markov parameters C A^k B are a sequence (count, outputs, inputs).
+def _left_out(probe: _Probe, sequence: Values, direct: Values, even: Values) -> dict[str, str]:
+    """Outputs without a linear response, with the reason."""
+    found = {}
+    sizes = np.array([probe.size(name) for name in probe.held])
+    odd = np.maximum(np.abs(sequence).max(axis=0, initial=0.0), np.abs(direct))
+    for row, k in enumerate(probe.shown):
+        name, moved = probe.system.names[k], float((odd[row] * sizes).max(initial=0.0))
+        bent = float((even[row] * sizes).max(initial=0.0))
+        if max(moved, bent) <= UNMOVED * NUDGE * max(abs(float(probe.resting[row])), NUDGE):
+            found[name] = "is not moved by any input"
+        elif bent > UNEVEN * moved:
+            found[name] = "is not smooth: it answers nudges up and down alike"
+    return found
 
-    Rows are scaled to like size here; the caller should scale columns by the usual size of each
-    input, so that a weak response is not taken for noise, or noise for a response. Where the order
-    is not given, it is the number of singular values of the Hankel matrix above `smallest` of the
-    largest.
-    """
-    count, rows, columns = sequence.shape
-    size = np.abs(sequence).max(axis=(0, 2))
-    size = np.where(size > 0.0, size, 1.0)
-    scaled = sequence / size[None, :, None]
-    half = count // 2
-    hankel = np.block([[scaled[i + j] for j in range(half)] for i in range(half)])
-    shifted = np.block([[scaled[i + j + 1] for j in range(half)] for i in range(half)])
-    left, values, right = np.linalg.svd(hankel, full_matrices=False)
-    if order is None:
-        order = int(np.sum(values > smallest * values[0])) if values[0] > 0.0 else 0
-    root = np.sqrt(values[:order])
-    first, last = left[:, :order], right[:order]
-    a = (first / root).T @ shifted @ (last.T / root)
-    b = (root[:, None] * last)[:, :columns]
-    c = (first * root)[:rows] * size[:, None]
-    return np.asarray(a), np.asarray(b), np.asarray(c)
+
+def _matching(
+    sequence: Values, direct: Values, second: Values, order: int | None, plan: Plan
+) -> tuple[Triple, float]:
+    """The system of the likeliest order that meets a second record, and its error there."""
+    hankel = Hankel(sequence)
+    size = np.abs(second).max(axis=(0, 2), initial=0.0)
+    scale = np.where(size > 0.0, size, 1.0)[:, None]
+    best = np.inf
+    for tried in hankel.orders() if order is None else [order]:
+        found = hankel.system(tried)
+        with np.errstate(over="ignore", invalid="ignore"):
+            miss = np.abs(held_response(found, direct, len(second)) - second) / scale
+        error = float(miss.max(initial=0.0))
+        if error <= MATCHED or order is not None:
+            return found, error
+        best = min(best, error)
+    raise InputError(
+        f"{plan.path}: not linearised: no linear system meets a second record better than to"
+        f" {best:.1%}; choose outputs by --output, or another state of rest"
+    )

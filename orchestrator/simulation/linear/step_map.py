@@ -19,7 +19,8 @@ from ..coupled_instance import CoupledInstance
 from ..masters import master_class
 from ..stepper import Stepper
 from ..system import Moment, System
-from .state_space import NUDGE, plain, realise, rest
+from .realisation import realise
+from .state_space import NUDGE, endless, plain, rest
 
 if TYPE_CHECKING:
     import control
@@ -164,7 +165,7 @@ def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> St
     if unable:
         raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
     size = step or plan.grid.step
-    with System(plan) as system:
+    with System(endless(plan, size)) as system:
         master = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
         stepper = Stepper(system, master)
         time, largest = rest(system, stepper)
@@ -213,12 +214,19 @@ def _model(
     usual = np.maximum(np.abs(still[free]), largest[coupled.sources[free]])
     values = np.array([system.variables[coupled.sources[k]].order == 0 for k in free], dtype=bool)
     usual = np.where((usual == 0.0) & values, UNKNOWN, usual)
+    if not (own and free):
+        return _unconnected(system, coupled, free, own, shown)
     probe = _Probe(system, moment, coupled, still, clocks, ahead, free, own, usual)
     sequence, direct, after = probe.responses(time, size, count, NUDGE)
     again, _, _ = probe.responses(time, size, count, 0.5 * NUDGE)
     sequence, smallest = _sound(sequence, again)
+    if not (coupled.instance.interface.ours or sequence.any() or direct.any() or after.any()):
+        raise InputError(
+            f"{system.plan.path}: {coupled.instance.name}: its outputs do not answer small changes"
+            " of its inputs alike: the stability of its coupling cannot be predicted"
+        )
     by = np.where(usual > 0.0, usual, 1.0)
-    a, b, c = realise(sequence, smallest=smallest) if own and free else _none(len(own), len(free))
+    a, b, c = realise(sequence, smallest=smallest)
     return InstanceModel(
         name=coupled.instance.name,
         inputs=[coupled.arriving[k].input.name for k in free],
@@ -299,8 +307,23 @@ def _sound(sequence: Values, again: Values) -> tuple[Values, float]:
     return kept, max(NOISE, 10.0 * float(noise[sound].max(initial=0.0)))
 
 
-def _none(rows: int, columns: int) -> tuple[Values, Values, Values]:
-    return np.zeros((0, 0)), np.zeros((0, columns)), np.zeros((rows, 0))
+def _unconnected(
+    system: System, coupled: CoupledInstance, free: list[int], own: list[int], shown: list[int]
+) -> InstanceModel:
+    """An instance that takes no value of others, or gives none: it has no part in the map."""
+    gain = np.zeros((len(own), len(free)))
+    return InstanceModel(
+        name=coupled.instance.name,
+        inputs=[coupled.arriving[k].input.name for k in free],
+        outputs=[system.names[k] for k in own],
+        a=np.zeros((0, 0)),
+        b=np.zeros((0, len(free))),
+        c=np.zeros((len(own), 0)),
+        d=gain,
+        e=gain,
+        wires=_wiring(system, coupled, free, shown),
+        rows=np.array([shown.index(k) for k in own], dtype=np.intp),
+    )
 
 
 def _wiring(system: System, coupled: CoupledInstance, free: list[int], shown: list[int]) -> Values:

@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 from orchestrator.cli import app
 from orchestrator.errors import InputError
 from orchestrator.scenario.plan import Plan
-from orchestrator.simulation.linear.state_space import linearise, realise
+from orchestrator.simulation.linear.realisation import realise
+from orchestrator.simulation.linear.state_space import linearise
 from orchestrator.simulation.linear.step_map import MAPPED, limit, step_map
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
