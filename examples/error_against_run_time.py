@@ -16,7 +16,7 @@ def main() -> None:
     study = precision(
         "oscillator-1",
         methods=["gauss-seidel/curvature", "gauss-seidel/held", "extrapolated/held"],
-        ladder=(2.0, 1.0, 0.5),
+        factors=(2.0, 1.0, 0.5),
         options={"time": {"stop": "10 cycles"}},
         repeats=1,
     )

@@ -24,7 +24,7 @@ from .files import is_file
 from .library import LIBRARY, built_part, missing_part
 from .metric_definitions import check_metrics
 from .schema import AUTO, Scenario
-from .start_values import starts_of
+from .start_values import starts_of, without_misfits
 from .substitution import substituted
 from .time_grid import Grid, frequency_of, grid_of, seconds
 
@@ -93,6 +93,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     whole = scenario
     scenario, dropped = substituted(scenario, interfaces, _replays(interfaces), problems)
     starts = starts_of(scenario, interfaces, problems, dropped)
+    whole = without_misfits(whole, starts)
     fed: dict[str, str] = {}
     connections = connections_of(scenario, interfaces, fed, problems)
     held = held_of(scenario, interfaces, fed, problems)

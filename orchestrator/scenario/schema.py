@@ -44,8 +44,8 @@ RECORDED = set(RecordingSettings.model_fields) - {"data", "memory"}
 class Component(RecordingSettings):
     """A built part by name or any FMU by path, with its start values; or a recording.
 
-    Of the start values named in `inherited`, which a base scenario has for another FMU in this
-    place, the ones that do not fit are dropped. `isolate` puts it into a process of its own, or
+    The start values named in `inherited` are those that a base scenario has for another FMU in this
+    place; they are dropped unless all of them fit. `isolate` puts it into a process of its own, or
     keeps it out of one; there `patience` is the time that one call may take, and `memory` what it
     may allocate. A recording is the file `data` with the keys of docs/reference/recordings.md;
     `memory` is how large it may be.

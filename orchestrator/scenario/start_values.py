@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ..errors import Problems, nearest
 from ..fmi.description import Interface, Variable
 from ..units import UnitError, si_value
@@ -13,33 +15,54 @@ def starts_of(
 ) -> dict[str, dict[str, float | str]]:
     """Start values in the FMUs' units, by component and variable.
 
-    What does not fit is a problem; of start values that another FMU had in this place, it is
+    What does not fit is a problem. Start values that a base scenario has for another FMU in this
+    place stay where all of them fit: then it is the same part built otherwise. Where one does not,
+    it is another part, whose parameters of the same name mean something else: all of them are
     dropped, with a line in `dropped`.
     """
     starts: dict[str, dict[str, float | str]] = {}
     for name, component in scenario.components.items():
-        settable = {v.name: v for v in interfaces[name].of("parameter", "input")}
-        starts[name] = {}
+        interface, found = interfaces[name], dict[str, float | str]()
+        wrong: dict[str, str | UnitError] = {}
+        settable = {v.name: v for v in interface.of("parameter", "input")}
         for key, value in component.start.items():
-            where = f"components.{name}.start.{key}"
             if key not in settable:
-                known = interfaces[name].variables
-                hint = (
-                    f"it is an {known[key].causality}" if key in known else nearest(key, settable)
-                )
-                if key in component.inherited:
-                    dropped.append(f"start {name}.{key}: {component.fmu} has no such parameter")
-                else:
-                    problems.add(where, f"no parameter {key!r} in {name}; {hint}")
+                wrong[key] = f"no parameter {key!r} in {name}; {_hint(key, interface, settable)}"
                 continue
             try:
-                starts[name][key] = start_value(settable[key], value)
+                found[key] = start_value(settable[key], value)
             except UnitError as error:
-                if key in component.inherited:
-                    dropped.append(f"start {name}.{key}: {error}")
-                else:
-                    problems.add(where, error)
+                wrong[key] = error
+        for key, fault in wrong.items():
+            if key not in component.inherited:
+                problems.add(f"components.{name}.start.{key}", fault)
+        if wrong.keys() & set(component.inherited):
+            found = {key: v for key, v in found.items() if key not in component.inherited}
+            listed = ", ".join(component.inherited)
+            dropped.append(
+                f"{name} starts afresh: {component.fmu} has other parameters than the base"
+                f" scenario gives ({listed})"
+            )
+        starts[name] = found
     return starts
+
+
+def without_misfits(
+    scenario: Scenario, starts: Mapping[str, Mapping[str, float | str]]
+) -> Scenario:
+    """The scenario with only those inherited start values that are among `starts`."""
+    components = dict(scenario.components)
+    for name, component in components.items():
+        if component.inherited:
+            kept = {key: value for key, value in component.start.items() if key in starts[name]}
+            components[name] = component.model_copy(update={"start": kept, "inherited": []})
+    return scenario.model_copy(update={"components": components})
+
+
+def _hint(key: str, interface: Interface, settable: Mapping[str, Variable]) -> str:
+    """What a name is that is no parameter, or the nearest that is one."""
+    known = interface.variables.get(key)
+    return f"it is an {known.causality}" if known else nearest(key, settable)
 
 
 def start_value(variable: Variable, value: float | str | bool) -> float | str:

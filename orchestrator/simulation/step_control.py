@@ -22,6 +22,8 @@ SHORTEST = 1e-5
 """Bounds of the step as multiples of the scenario's."""
 MEMORY = 0.1
 """Cycles over which local errors are taken to add up, where there are cycles."""
+LEAST_SHARE = 0.03
+"""Share of the tolerance that any step may use up: numbers that are held miss by h, not by h^2."""
 ORDER = 2.0
 """Order of the methods: with cycles the error per time is controlled, h^2, else the step's, h^3."""
 MILNE = 1.0 / 6.0
@@ -202,7 +204,9 @@ class Control:
 
     def judge(self, miss: float, size: float, *, rejects: bool) -> tuple[bool, float]:
         """Whether a step is good enough, and the size of the next."""
-        share = self.tolerance * size / self.span if self.span else self.tolerance
+        share = self.tolerance
+        if self.span:
+            share *= max(size / self.span, LEAST_SHARE)
         ratio = max(miss / share, 1e-6)
         if not math.isfinite(ratio):
             if not rejects:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 INACCURATE = 0.01
 """Estimated error of a leading variable, by its largest value, from which on a run warns."""
+MARGIN = 0.7
+"""Share of it that the step aims at which a warning names."""
 MEANINGLESS = 0.5
 """The same from which on the numbers of a run say nothing."""
 STILL = 1e-9
@@ -69,10 +71,10 @@ def _remedy(plan: Plan, relative: float) -> str:
     if relative >= MEANINGLESS:
         return 'lower the step by far, or let step = "auto" find one'
     first = plan.scenario.master.laws == "held" or usual(plan.connections) == "extrapolated"
-    share = (INACCURATE / relative) ** (1.0 if first else 0.5)
+    share = (MARGIN * INACCURATE / relative) ** (1.0 if first else 0.5)
     time = plan.scenario.time
     if time.tolerance is not None:
-        return f"--tolerance {_rounded_down(INACCURATE / relative * time.tolerance):g} would do"
+        return f"--tolerance {_rounded_down(share**2 * time.tolerance):g} would do"
     if isinstance(time.step, PerCycle):
         return f'--step "{_rounded_up(time.step.per_cycle / share)} per cycle" would do'
     return f'--step "{_rounded_down(plan.grid.step * share):g} s" would do'

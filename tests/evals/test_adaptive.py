@@ -25,7 +25,7 @@ FINE = [1e-5, 1e-6]
 def ratio(library: Path, scenario: str, tolerance: float) -> tuple[float, float]:
     """Estimated by true error of the motion, and the true one by the largest displacement."""
     plan = load(scenario, None, library, time={"stop": "8 cycles", "tolerance": tolerance})
-    done = run(plan)
+    done = run(plan, estimate=True)
     assert done.failure is None
     assert done.estimates is not None
     single = monolithic(plan, library)
@@ -68,7 +68,7 @@ def test_steps_end_at_discontinuities(library: Path) -> None:
     assert plan.frequency is not None
     waveform = {"amplifier.waveform": "square"}
     plan = load("oscillator-1", waveform, library, time={"stop": "4 cycles", "tolerance": 1e-3})
-    done = run(plan)
+    done = run(plan, estimate=True)
     edges = np.arange(1, 8) * 0.5 / plan.frequency
     points = np.asarray(done.points)
     assert np.abs(points[:, None] - edges[None, :]).min(axis=0).max() < 1e-9

@@ -133,3 +133,20 @@ def masses(
         stop=stop,
         more=more,
     )
+
+
+def populations(
+    folder: Path, shelf: Shelf, *texts: str, version: int = 2, step: float = 0.1, more: str = ""
+) -> Path:
+    """Prey and predators (Lotka and Volterra), x' = (1.5 - y) x and y' = (x - 3) y from (10, 5)."""
+    fmu = shelf("POPULATION", version)
+    return scenario(
+        folder,
+        *texts,
+        part("prey", fmu, start={"growth": 1.5, "effect": -1.0, "start_size": 10.0}),
+        part("predators", fmu, start={"growth": -3.0, "effect": 1.0, "start_size": 5.0}),
+        wires("prey.size -> predators.other", "predators.size -> prey.other"),
+        stop=15.0,
+        step=step,
+        more=more,
+    )

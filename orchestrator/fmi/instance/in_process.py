@@ -194,7 +194,7 @@ class InProcessInstance(Instance):
         self.rollbacks += 1
         self.faults = 0
         self._call(self._state_function("Set"), state)
-        self._now = self._saved[state.value]
+        self._now = self._saved.get(state.value, self._now)
 
     def _returns(self, time: float, size: float) -> bool:
         """Whether a state is saved that is older than a step: one at its beginning is not prior."""

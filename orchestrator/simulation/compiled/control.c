@@ -4,6 +4,7 @@
 
 #include "loop.h"
 
+#define LEAST_SHARE 0.03
 #define MILNE (1.0 / 6.0)
 enum { FATAL_STATUS = 4 };
 
@@ -98,9 +99,12 @@ static double clipped(double size, double least, double most) {
 
 /* PI control: whether a step is good enough (-1: neither that nor to be repeated). */
 static int judge(Control *control, double miss, double size) {
-    double share = control->span > 0.0 ? control->tolerance * size / control->span
-                                       : control->tolerance;
-    double ratio = miss / share, factor;
+    double share = control->tolerance, ratio, factor;
+    if (control->span > 0.0) {
+        double part = size / control->span;
+        share *= part > LEAST_SHARE ? part : LEAST_SHARE;
+    }
+    ratio = miss / share;
     if (1e-6 > ratio) ratio = 1e-6;
     if (!isfinite(ratio)) {
         if (!control->doubling) return -1;

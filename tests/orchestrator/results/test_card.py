@@ -13,6 +13,7 @@ from orchestrator import load
 from orchestrator.results.metrics import metrics
 from orchestrator.results.netcdf import dataset
 from orchestrator.scenario.files import scenario_names
+from orchestrator.simulation.run import estimated
 from tests.conftest import Runner
 
 
@@ -33,10 +34,13 @@ def test_an_outcome_shows_its_metrics_and_what_it_recorded(
     outcome: Runner, options: dict[str, Any]
 ) -> None:
     done = outcome("oscillator-1", time={"stop": "3 cycles", **options})
+    done = estimated(done) if options else done
     shown = tables(done._repr_html_())
     found = metrics(dataset(done), done.plan.scenario.metrics.cycles)
     assert found
-    assert shown["metrics"] == [[m.name, m.shown] for m in found]
+    assert shown["metrics"] == [
+        [m.name, m.shown, m.shown_error][: 2 + bool(options)] for m in found
+    ]
     assert [row[0] for row in shown["recorded variables"]] == done.names
     row = shown["recorded variables"][done.names.index("payload.displacement")]
     series = done.series("payload.displacement")

@@ -41,11 +41,30 @@ def test_without_drops_wires_holds_and_records(tmp_path: Path) -> None:
     assert not [v for v in scenario.record.variables if v.startswith("aero")]
 
 
-def test_a_component_with_another_fmu_starts_afresh(tmp_path: Path) -> None:
-    scenario = tmp_path / "swap.toml"
-    scenario.write_text('extends = "oscillator-1"\n[components.spring]\nfmu = "membrane"\n')
-    scenario, _ = load_scenario(scenario)
-    assert scenario.components["spring"].start == {}
+def test_a_component_with_another_part_starts_afresh(library: Path, tmp_path: Path) -> None:
+    """The film has a loss factor too, and means another one by it."""
+    path = tmp_path / "swap.toml"
+    path.write_text('extends = "oscillator-1"\n[components.spring]\nfmu = "membrane"\n')
+    plan = load(path, None, library)
+    assert plan.starts["spring"] == {}
+    assert plan.dropped[0].startswith("spring starts afresh: membrane has other parameters")
+    text = path.read_text() + "start = { loss_factor = 0.2 }\n"
+    path.write_text(text)
+    assert load(path, None, library).starts["spring"] == {"loss_factor": 0.2}
+
+
+def test_a_part_built_otherwise_keeps_the_start_values(library: Path, tmp_path: Path) -> None:
+    """A variant of the same part takes all of them: they stay, and nothing is dropped."""
+    (tmp_path / "spring_tight.fmu").write_bytes((library / "spring.fmu").read_bytes())
+    path = tmp_path / "swap.toml"
+    path.write_text(
+        'extends = "oscillator-1"\n[components.spring]\nfmu = "./spring_tight.fmu"\n'
+        "start = { damping = 0.5 }\n"
+    )
+    plan = load(path, None, library)
+    before = load("oscillator-1", None, library).starts["spring"]
+    assert plan.starts["spring"] == {**before, "damping": 0.5}
+    assert plan.dropped == []
 
 
 def test_all_problems_come_at_once(tmp_path: Path) -> None:

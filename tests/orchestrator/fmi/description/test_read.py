@@ -19,9 +19,9 @@ LAUGHS = "".join(f'<!ENTITY l{k} "{f"&l{k - 1};" * 10 if k else "ha" * 10}">' fo
 
 
 @pytest.fixture(scope="session")
-def description(library: Path) -> str:
+def description(python_parts: Path) -> str:
     """The model description of a real FMU."""
-    return read_description(library / "payload.fmu").decode()
+    return read_description(python_parts / "payload.fmu").decode()
 
 
 def fmu(folder: Path, text: str | bytes) -> Path:
