@@ -18,6 +18,7 @@ from ..errors import KeptWarning, RenamedWarning, printable
 from . import (
     build,
     calibrate,
+    compare,
     exchange,
     fit,
     inspect,
@@ -27,6 +28,7 @@ from . import (
     plot,
     precision,
     record,
+    results,
     run,
     stability,
     sweep,
@@ -74,7 +76,9 @@ for module in (
     fit,
     inspect,
     parts,
+    results,
     plot,
+    compare,
     exchange,
 ):
     module.add_to(app)

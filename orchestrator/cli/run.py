@@ -29,6 +29,7 @@ def run(
     output: Annotated[
         Path | None, typer.Option(help="Result file; results/SCENARIO.nc if not given.")
     ] = None,
+    name: common.Name = None,
     set_: common.Sets = None,
     laws: common.Laws = None,
     kind: common.Kind = None,
@@ -50,20 +51,25 @@ def run(
 ) -> None:
     """Run a scenario; write its result, draw it, print its metrics.
 
+    A result of the same name but of other settings is kept, under a name with its digest.
+
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz" --estimate
     """
-    from ..results.netcdf import clear, partial_path, prepare, segments_for, write
+    from ..results.kept_aside import keep_other
+    from ..results.netcdf import clear, partial_path, prepare, provenance, segments_for, write
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load
     from ..simulation.run import run as run_plan
 
-    target = output or Path("results") / f"{Path(scenario).stem}.nc"
     with Interrupt() as interrupt, common.reported():
+        target = common.result_path(scenario, output, name)
         options = common.overrides(laws, kind, stop, step, tolerance)
         parts = common.library(fmus, native)
         plan = load(scenario, common.assignments(set_), parts, **options)
         prepare(target)
         interrupt.check()
+        if output is None:
+            keep_other(target, provenance(plan))
         clear(target)
         progress = not (quiet or json) and sys.stderr.isatty()
         outcome = run_plan(
