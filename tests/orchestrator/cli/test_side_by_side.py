@@ -1,4 +1,4 @@
-"""Runs side by side: names of results, `compare`, `plot` of several, `results`, sweeps."""
+"""Runs side by side: names of results, `compare`, `plot` of several."""
 
 from __future__ import annotations
 
@@ -90,29 +90,3 @@ def test_plot_draws_runs_over_each_other(two: Path) -> None:
     wrong = resilin("plot", *pair, "--variable", "payload.displacment")
     assert wrong.exit_code == 2
     assert "did you mean 'payload.displacement'" in wrong.stderr
-
-
-def test_a_sweep_is_swept_listed_and_drawn(library: Path, desk: Path) -> None:
-    axes = ("--over", "amplifier.frequency=48,52Hz", "--over", "payload.mass=0.6,0.7g")
-    short = ("--stop", "4 cycles", "--step", "40 per cycle", "--workers", "1", "--fmus", library)
-    done = resilin("sweep", "oscillator-1", *axes, *short)
-    assert done.exit_code == 0, done.output
-    assert max(map(len, done.output.splitlines())) <= 80
-    path = Path("results/oscillator-1.sweep.nc")
-    drawn = resilin("plot", path)
-    assert drawn.exit_code == 0, drawn.output
-    assert path.with_suffix(".png").is_file()
-    assert "which has no time" in resilin("plot", path, "--cycles", "3").stderr
-    assert "is a sweep" in resilin("compare", path, path.with_name("other.nc")).stderr
-    listed = json.loads(resilin("results", "--json").stdout)
-    assert [(e["result"], e["kind"], e["extent"]) for e in listed] == [
-        (str(path), "sweep", "2 x 2 points")
-    ]
-    shown = resilin("results")
-    assert path.name in shown.output and "2 x 2 points" in shown.output
-    assert "no results in empty" in resilin("results", _made(desk / "empty").name).output
-
-
-def _made(folder: Path) -> Path:
-    folder.mkdir()
-    return folder
