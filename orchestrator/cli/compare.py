@@ -85,7 +85,8 @@ def _tables(found: Comparison, names: list[str]) -> list[Table]:
     for each in found.differences:
         unit = "" if each.unit in {"", "1"} else f" {printable(each.unit)}"
         differences.add_row(
-            printable(each.name), f"{each.largest:.3g}{unit}", f"{each.relative:.2g}",
+            printable(each.name), f"{each.largest:.3g}{unit}",
+            f"{each.relative:.2g}" if isfinite(each.relative) else "-",
             f"{each.at:.4g} s", f"{each.rms:.3g}{unit}",
         )  # fmt: skip
     for column in metrics.columns[1:]:

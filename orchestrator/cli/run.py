@@ -109,7 +109,7 @@ def _show(
 
     drawn: Path | None = None
     data = recorded(outcome) if outcome.segments is None else read_recorded(written)
-    if plot:
+    if plot and data.series:
         drawn = _drawn(data, written)
     if quiet:
         return
@@ -180,12 +180,13 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
     from ..simulation.summary import couplings, errors, warnings
 
     console = Console()
-    table = Table(title=Text(printable(outcome.plan.scenario.title)), title_justify="left")
+    title = Text(printable(outcome.plan.scenario.title))
+    table = Table(title=title, title_justify="left")
     table.add_column("metric")
     table.add_column("value", justify="right")
     for metric in found:
         table.add_row(metric.name, metric.shown)
-    console.print(table)
+    console.print(table if found else title)
     compiled = [n for n, i in outcome.plan.interfaces.items() if i.ours and not i.needs_tool]
     speed = outcome.simulated / outcome.wall_time
     rejected = f" and {outcome.rejected} rejected" if outcome.rejected else ""

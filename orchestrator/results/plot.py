@@ -58,6 +58,8 @@ def overlay(
     units = {
         name: unit for data in reversed(list(runs.values())) for name, unit in data.units.items()
     }
+    if not units:
+        raise InputError("no variable was recorded, so there is nothing to draw")
     panels = _chosen(units, patterns) if patterns else _panels(units, first.plot or {})
     begin, end = _span(runs.values(), cycles)
     figure = Figure(figsize=(9.0, 1.0 + 1.6 * len(panels)), layout="constrained")

@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ...errors import printable
 from ...results.metrics import shown
 from ...units import UnitError, factor
@@ -30,7 +28,8 @@ FRAME = 3
 def facts(data: xarray.Dataset) -> list[dict[str, Any]]:
     """One record for each point: axes, metrics in SI, status."""
     names = [str(name) for name in [*data.dims, *data.data_vars]]
-    return [{name: _plain(_at(data, name, place)) for name in names} for place in _places(data)]
+    columns = [_values(data, name) for name in names]
+    return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -97,23 +96,24 @@ def tables(data: xarray.Dataset, width: int) -> list[Table]:
 
 def remarks(data: xarray.Dataset) -> Iterator[str]:
     """What the tables leave out: what is the same everywhere, reasons of failures, the peak."""
-    if data.dims:
-        columns = [*_axes(data), *_metrics(data)]
-        same = [column.constant for column in columns if not column.varies]
-        if same:
-            yield f"the same at every point: {', '.join(same)}"
-    for place in _places(data):
-        if str(_at(data, "status", place)) != DONE:
-            axes = [f"{name} = {_text(_at(data, name, place))}" for name in map(str, data.dims)]
-            told = f"{_at(data, 'status', place)}: {_at(data, 'reason', place)}"
-            yield printable(f"{', '.join(axes)}: {told}")
-    if "peak" in data.attrs:
+    columns = [*_axes(data), *_metrics(data)]
+    same = [column.constant for column in columns if not column.varies]
+    if same:
+        yield f"the same at every point: {', '.join(same)}"
+    axes = [str(name) for name in data.dims]
+    for point in facts(data):
+        if point["status"] != DONE:
+            place = ", ".join(f"{name} = {_text(point[name])}" for name in axes)
+            yield printable(f"{place}: {point['status']}: {point['reason']}")
+    if "refined" in data.attrs:
         yield _peak(data)
 
 
 def _peak(data: xarray.Dataset) -> str:
     """The peak that was looked for, each number with its uncertainty."""
     name, axis = str(data.attrs["refined"]), str(next(iter(data.dims)))
+    if "peak" not in data.attrs:
+        return f"no peak of {name}: no point has a value"
     column = next(v for v in data.data_vars.values() if v.attrs.get("long_name") == name)
     unit, scale = shown_in(column)
     at, value = float(data.attrs["peak_at"]), scale * float(data.attrs["peak"])
@@ -168,7 +168,7 @@ def _metrics(data: xarray.Dataset) -> list[_Column]:
 
 def _column(data: xarray.Dataset, name: str) -> _Column:
     unit, scale = shown_in(data[name])
-    values = [_at(data, name, place) for place in _places(data)]
+    values = _values(data, name)
     number = name not in data.dims and name not in BESIDE
     texts = [_measured(scale * value) if number else _text(value) for value in values]
     return _Column(printable(name), printable(unit), texts)
@@ -191,21 +191,9 @@ def _blocks(
     return blocks
 
 
-def _places(data: xarray.Dataset) -> Iterator[dict[str, int]]:
-    """Index of each point on the axes; the last axis changes first."""
-    names = [str(name) for name in data.dims]
-    for index in np.ndindex(*(data.sizes[name] for name in names)):
-        yield dict(zip(names, index, strict=True))
-
-
-def _at(data: xarray.Dataset, name: str, place: dict[str, int]) -> Any:
-    """Value of a variable or of an axis at a point."""
-    column = data[name]
-    return column.values[tuple(place[str(axis)] for axis in column.dims)]
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else str(value)
+def _values(data: xarray.Dataset, name: str) -> list[Any]:
+    """A variable or an axis at every point; the last axis changes first."""
+    return list(data[name].broadcast_like(data["status"]).values.ravel().tolist())
 
 
 def _measured(value: float) -> str:

@@ -82,6 +82,19 @@ def test_compare_shows_metrics_and_differences(two: Path) -> None:
     assert resilin("compare", pair[0], pair[0]).exit_code == 2
 
 
+def test_a_run_that_records_nothing_shows_no_empty_table(desk: Path, library: Path) -> None:
+    (desk / "mute.toml").write_text(
+        'extends = "oscillator-1"\ntime.stop = "1 cycles"\n'
+        "[record]\ninherit = false\nvariables = []\n"
+    )
+    done = resilin("run", "mute.toml", "--fmus", library)
+    assert done.exit_code == 0, done.output
+    assert "metric" not in done.output and "result: results/mute.nc" in done.output
+    assert [path.name for path in (desk / "results").iterdir()] == ["mute.nc"]
+    refused = resilin("plot", "results/mute.nc")
+    assert refused.exit_code == 2 and "nothing to draw" in refused.stderr
+
+
 def test_plot_draws_runs_over_each_other(two: Path) -> None:
     pair = (two / "oscillator-1.nc", two / "heavy.nc")
     done = resilin("plot", *pair)
