@@ -12,8 +12,8 @@ from pathlib import Path
 from matplotlib import pyplot
 from pythonfmu.builder import FmuBuilder
 
-from orchestrator import dataset, load, run
 from orchestrator.results.metrics import metrics
+from resilin import dataset, load, run
 
 PARTS = Path(__file__).parent / "parts"
 SCENARIO = """

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator import dataset, load, run
 from orchestrator.report.image import draw
 from orchestrator.studies.identification import Asked, case_of, identify, unknowns_of
 from orchestrator.studies.identification.table import figure, remarks
+from resilin import dataset, load, run
 
 TRUTH = {"spring.stiffness": 70.0, "spring.loss_factor": 0.25, "payload.mass": 0.65e-3}
 MEASURED = "payload.motion.displacement"

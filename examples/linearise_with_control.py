@@ -12,8 +12,8 @@ import control
 import numpy as np
 from matplotlib import pyplot
 
-from orchestrator import load
 from orchestrator.simulation.linear.state_space import linearise
+from resilin import load
 
 
 def main() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot
 
-from orchestrator import load, run
+from resilin import load, run
 
 FREQUENCY, CYCLES = 52.0, 15
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot
 
-from orchestrator import dataset, load, run
+from resilin import dataset, load, run
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ the run ends with an error that names it.
 from pathlib import Path
 from typing import TextIO
 
-from orchestrator import Observer, View, load, run
+from resilin import Observer, View, load, run
 
 
 class EachCycle(Observer):

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot
 
-from orchestrator import load, run
+from resilin import load, run
 
 SCENARIO, ACTUATOR = "dea-1", "spring"
 """A bench oscillator, and its component that is the actuator: a film, the part `membrane`."""

@@ -1,16 +1,15 @@
 """Sweep the drive's frequency over the resonance of the bench oscillator, for two masses.
 
 You learn: a sweep runs a scenario at every point of a grid, on all processors; a point that fails
-costs that point alone, and a sweep that was stopped goes on where it was. Its dataset has
-one row for each point.
+costs that point alone, and a sweep that was stopped goes on where it was. The axes of the grid are
+the dimensions of its dataset. `resilin plot` draws such a file as it is.
 """
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib import pyplot
 
-from orchestrator.studies.sweep.study import sweep
+from resilin import sweep
 
 MASS, FREQUENCY = "payload.mass", "amplifier.frequency"
 
@@ -24,15 +23,11 @@ def main() -> None:
         workers=2,
     )
     figure, axis = pyplot.subplots(layout="constrained")
-    for mass in np.unique(data[MASS]):
-        line = data.isel(point=np.flatnonzero(data[MASS] == mass)).sortby(FREQUENCY)
-        best = line.isel(point=int(np.argmax(line["travel"].values)))
-        print(
-            f"{1e3 * mass:.1f} g: {1e3 * float(best['travel']):.2f} mm"
-            f" at {float(best[FREQUENCY]):.0f} Hz"
-        )
+    for mass, travel in data["travel"].groupby(MASS):
+        line = 1e3 * travel.squeeze()
         label = f"{1e3 * mass:.1f} g"
-        axis.plot(line[FREQUENCY], 1e3 * line["travel"], "o-", label=label)
+        print(f"{label}: {float(line.max()):.2f} mm at {float(line.idxmax()):.0f} Hz")
+        axis.plot(line[FREQUENCY], line, "o-", label=label)
     axis.set(xlabel="frequency (Hz)", ylabel="travel (mm)")
     axis.legend()
     figure.savefig("results/sweep_with_plot.png")

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from pythonfmu.builder import FmuBuilder
 
-from orchestrator import load, run
+from resilin import load, run
 
 PARTS = Path(__file__).parent / "parts"
 SCENARIO = """

@@ -112,6 +112,10 @@ class RenamedWarning(FutureWarning):
     """An old name was used; it is accepted for one more release."""
 
 
+class KeptWarning(UserWarning):
+    """A file that would have been overwritten is kept under another name."""
+
+
 def renamed(old: str, new: str) -> None:
     """Warn that an old name was used, with the new one."""
     warnings.warn(

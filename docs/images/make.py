@@ -19,13 +19,13 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 
-from orchestrator import load, run
 from orchestrator.results.outcome import Outcome
 from orchestrator.scenario.plan import LIBRARY, Plan
 from orchestrator.studies.paper.figure4 import POINTS, outline
 from orchestrator.studies.paper.linkage_pose import joints, links
 from orchestrator.studies.paper.published_values import given, number
 from orchestrator.studies.reference.monolith import as_recorded, monolithic
+from resilin import load, run
 
 mpl.use("Agg")
 from matplotlib import pyplot

@@ -10,22 +10,25 @@ import contextlib
 import os
 import sys
 import warnings
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
-from ..errors import RenamedWarning, printable
+from ..errors import KeptWarning, RenamedWarning, printable
 from . import (
     build,
     calibrate,
+    compare,
     exchange,
     fit,
     inspect,
     linearise,
     paper,
+    parts,
     plot,
     precision,
     record,
+    results,
     run,
     stability,
     sweep,
@@ -38,6 +41,28 @@ app = typer.Typer(
     help="Co-simulation of a flapping-wing vehicle driven by dielectric elastomers.",
     epilog="Exit codes: 0 done, 1 the run stopped, 2 wrong input, 130 Ctrl-C, 143 SIGTERM.",
 )
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from ..results.netcdf import release
+
+        typer.echo(f"resilin {release()}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version.", is_eager=True, callback=_print_version
+        ),
+    ] = False,
+) -> None:
+    """Options that stand before any command."""
+
+
 for module in (
     build,
     run,
@@ -50,7 +75,10 @@ for module in (
     record,
     fit,
     inspect,
+    parts,
+    results,
     plot,
+    compare,
     exchange,
 ):
     module.add_to(app)
@@ -71,7 +99,7 @@ def main() -> None:
 
 def _shown(message: Warning | str, category: type[Warning], *_: Any) -> None:
     """A warning as one line on standard error; those for programmers are not shown."""
-    if issubclass(category, RenamedWarning):
+    if issubclass(category, (RenamedWarning, KeptWarning)):
         typer.echo(f"resilin: warning: {printable(str(message), most=900)}", err=True)
 
 

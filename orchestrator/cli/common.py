@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,22 +13,38 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import InputError, ResilinError, printable
+from . import completion
 
 if TYPE_CHECKING:
     from ..studies.precision.method import Method
 
-ScenarioName = Annotated[str, typer.Argument(help="A shipped scenario's name, or a TOML file.")]
+ScenarioName = Annotated[
+    str,
+    typer.Argument(
+        help="A shipped scenario's name, or a TOML file.", autocompletion=completion.scenarios
+    ),
+]
 Sets = Annotated[
     list[str] | None,
-    typer.Option("--set", help='Start value, as amplifier.frequency="20 Hz".'),
+    typer.Option(
+        "--set",
+        help='Start value, as amplifier.frequency="20 Hz".',
+        autocompletion=completion.start_values,
+    ),
 ]
 Laws = Annotated[
-    str | None, typer.Option(help="How much of each port is used: held, affine, curvature.")
+    str | None,
+    typer.Option(
+        help="How much of each port is used: held, affine, curvature.",
+        autocompletion=completion.laws,
+    ),
 ]
 Kind = Annotated[
     str | None,
     typer.Option(
-        "--master", help="gauss-seidel, jacobi, extrapolated, iterative or interface-newton."
+        "--master",
+        help="gauss-seidel, jacobi, extrapolated, iterative or interface-newton.",
+        autocompletion=completion.masters,
     ),
 ]
 MethodTexts = Annotated[
@@ -57,8 +73,36 @@ Step = Annotated[
 Tolerance = Annotated[
     float | None, typer.Option(help="Let an error estimate choose the steps, as 1e-3.")
 ]
+Name = Annotated[
+    str | None, typer.Option("--name", help="Name of the result; the scenario's if not given.")
+]
 BUILT = Path("build")
 """Where the build command puts parts of both kinds."""
+RESULTS = Path("results")
+"""Where results go that are given no path."""
+
+
+def result_path(scenario: str, output: Path | None, name: str | None, ending: str = ".nc") -> Path:
+    """File of a result: as given, or in the folder of results by its name or the scenario's."""
+    if output is not None:
+        if name is not None:
+            raise InputError("--name and --output both name the result: give one")
+        return output
+    if name is not None and (not name.strip(".") or Path(name).name != name):
+        raise InputError(
+            f"--name {printable(name)!r}: is not the name of a file; --output takes paths"
+        )
+    return RESULTS / f"{Path(scenario).stem if name is None else name}{ending}"
+
+
+def run_names(paths: Sequence[Path]) -> dict[str, Path]:
+    """Short names of results: their files' names, or whole paths where these are the same."""
+    stems = [path.stem for path in paths]
+    names = stems if len(set(stems)) == len(stems) else [str(path) for path in paths]
+    found = dict(zip(names, paths, strict=True))
+    if len(found) < len(paths):
+        raise InputError("a result is given twice; give different ones")
+    return found
 
 
 def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import renamed
-from . import common
+from . import common, parts
 
 if TYPE_CHECKING:
     from ..scenario.plan import Plan
@@ -38,10 +38,18 @@ def inspect(
 ) -> None:
     """Check a scenario and show what it is made of; no FMU is loaded, except for --stability.
 
+    An .fmu file, or a part that is no scenario, is shown as by `resilin parts`.
+
     Example: resilin inspect flapping-full-wings --diagram vehicle.svg
     """
+    from ..scenario.files import scenario_names
+    from ..scenario.library import part_names
     from ..simulation.load import load
 
+    if scenario.endswith(".fmu") or scenario in {*part_names(fmus)} - {*scenario_names()}:
+        with common.reported():
+            parts.show(scenario, fmus, json)
+        return
     with common.reported():
         options = common.overrides(laws, kind)
         plan = load(scenario, common.assignments(set_), fmus, **options)
@@ -92,7 +100,7 @@ def _scenes() -> None:
     scenarios()
 
 
-def scenarios() -> None:
+def scenarios(json: common.Json = False) -> None:
     """List the scenarios that come with the package.
 
     Example: resilin scenarios
@@ -100,5 +108,23 @@ def scenarios() -> None:
     from ..scenario.files import scenario_names
     from ..scenario.parse import load_scenario
 
-    for name in scenario_names():
-        typer.echo(f"{name:24} {load_scenario(name)[0].title}")
+    found = [(name, *load_scenario(name)) for name in scenario_names()]
+    if json:
+        common.print_json(
+            [
+                {
+                    "scenario": name,
+                    "title": scenario.title,
+                    "file": str(path),
+                    "components": {
+                        key: part.fmu or part.data for key, part in scenario.components.items()
+                    },
+                    "metrics": list(scenario.metrics.defined),
+                }
+                for name, scenario, path in found
+            ]
+        )
+        return
+    width = max(len(name) for name, *_ in found)
+    for name, scenario, _ in found:
+        typer.echo(f"{name:{width}} {scenario.title}")

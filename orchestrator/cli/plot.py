@@ -1,12 +1,14 @@
-"""`resilin plot`: a plot of a result file."""
+"""`resilin plot`: a plot of one result or several over each other, or of a sweep."""
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from ..errors import InputError
 from . import common
 
 
@@ -16,23 +18,46 @@ def add_to(app: typer.Typer) -> None:
 
 
 def plot(
-    result: Annotated[Path, typer.Argument(help="A result, whole or partial.")],
+    results: Annotated[
+        list[Path], typer.Argument(help="A result, whole or partial; several runs, or one sweep.")
+    ],
     variables: Annotated[
-        list[str] | None, typer.Option("--variable", help="Pattern, as linkage.*; may repeat.")
+        list[str] | None,
+        typer.Option(
+            "--variable", help="Pattern of variables or metrics, as linkage.*; may repeat."
+        ),
     ] = None,
-    cycles: Annotated[float, typer.Option(help="How many of the last cycles; 0 for all.")] = 5.0,
+    cycles: Annotated[
+        float | None, typer.Option(help="How many of the last cycles; 0 for all, 5 if not given.")
+    ] = None,
     output: Annotated[
         Path | None, typer.Option(help="Plot; RESULT.png if not given. Also .svg, .pdf.")
     ] = None,
 ) -> None:
-    """Draw a result over its last cycles: the scenario's panels, or the variables that match.
+    """Draw runs over each other, panel by panel of the scenario, or the variables that match.
+
+    A sweep becomes lines over one axis, heat maps over two.
 
     Example: resilin plot results/flapping-full-wings.nc --variable "linkage.*_energy"
     """
-    from ..results.netcdf import opened
-    from ..results.plot import draw
+    from ..results.netcdf import is_sweep, opened, opened_file
+    from ..results.plot import CYCLES, overlay
+    from ..results.recorded import recorded
 
-    target = output or result.with_suffix(".png")
-    with common.reported(), opened(result) as data:
-        drawn = draw(data, target, variables, cycles)
+    with common.reported(), ExitStack() as stack:
+        first = stack.enter_context(opened_file(results[0]))
+        if len(results) == 1 and is_sweep(first.attrs):
+            from ..studies.sweep.dataset import over_axes
+            from ..studies.sweep.plot import draw
+
+            if cycles is not None:
+                raise InputError(f"--cycles: {results[0]} is a sweep, which has no time")
+            drawn = draw(over_axes(first), output or results[0].with_suffix(".png"), variables)
+        else:
+            runs = {
+                name: recorded(stack.enter_context(opened(path)))
+                for name, path in common.run_names(results).items()
+            }
+            target = output or results[0].with_name(f"{'-'.join(p.stem for p in results)}.png")
+            drawn = overlay(runs, target, variables, CYCLES if cycles is None else cycles)
     typer.echo(f"plot: {drawn}")

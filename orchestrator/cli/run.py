@@ -31,6 +31,7 @@ def run(
     output: Annotated[
         Path | None, typer.Option(help="Result file; results/SCENARIO.nc if not given.")
     ] = None,
+    name: common.Name = None,
     set_: common.Sets = None,
     laws: common.Laws = None,
     kind: common.Kind = None,
@@ -54,21 +55,26 @@ def run(
 ) -> None:
     """Run a scenario; write its result, draw it, print its metrics.
 
+    A result of the same name but of other settings is kept, under a name with its digest.
+
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz"
     """
-    from ..results.netcdf import clear, partial_path, prepare, segments_for, write
+    from ..results.kept_aside import keep_other
+    from ..results.netcdf import clear, partial_path, prepare, provenance, segments_for, write
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load
     from ..simulation.run import run as run_plan
     from ..simulation.summary import meaningless
 
-    target = output or Path("results") / f"{Path(scenario).stem}.nc"
     with Interrupt() as interrupt, common.reported():
+        target = common.result_path(scenario, output, name)
         options = common.overrides(laws, kind, stop, step, tolerance)
         parts = common.library(fmus, native)
         plan = load(scenario, common.assignments(set_), parts, **options)
         prepare(target)
         interrupt.check()
+        if output is None:
+            keep_other(target, provenance(plan))
         clear(target)
         progress = not (quiet or json) and sys.stderr.isatty()
         outcome = run_plan(
@@ -111,7 +117,7 @@ def _show(
 
     drawn: Path | None = None
     data = recorded(outcome) if outcome.segments is None else read_recorded(written)
-    if plot:
+    if plot and data.series:
         drawn = _drawn(data, written)
     if quiet:
         return
@@ -183,7 +189,8 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
     from ..simulation.summary import accuracy, warnings
 
     console = Console()
-    table = Table(title=Text(printable(outcome.plan.scenario.title)), title_justify="left")
+    title = Text(printable(outcome.plan.scenario.title))
+    table = Table(title=title, title_justify="left")
     table.add_column("metric")
     table.add_column("value", justify="right")
     if outcome.estimates is not None:
@@ -191,7 +198,7 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
     for metric in found:
         row = [metric.name, metric.shown, metric.shown_error]
         table.add_row(*row[: len(table.columns)])
-    console.print(table)
+    console.print(table if found else title)
     compiled = [n for n, i in outcome.plan.interfaces.items() if i.ours and not i.needs_tool]
     speed = outcome.simulated / outcome.wall_time
     rejected = f" and {outcome.rejected} rejected" if outcome.rejected else ""

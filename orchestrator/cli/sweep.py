@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from . import common
+from . import common, completion
 
 
 def add_to(app: typer.Typer) -> None:
@@ -20,11 +20,15 @@ def sweep(
     scenario: common.ScenarioName,
     over: Annotated[
         list[str],
-        typer.Option(help="Axis, as amplifier.frequency=1:50:2Hz, =1:50/26Hz or =2,4,6,8."),
+        typer.Option(
+            help="Axis, as amplifier.frequency=1:50:2Hz, =1:50/26Hz or =2,4,6,8.",
+            autocompletion=completion.start_values,
+        ),
     ],
     output: Annotated[
         Path | None, typer.Option(help="Result file; results/SCENARIO.sweep.nc if not given.")
     ] = None,
+    name: common.Name = None,
     set_: common.Sets = None,
     laws: common.Laws = None,
     kind: common.Kind = None,
@@ -46,7 +50,7 @@ def sweep(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scenario at every point of a grid of start values; keep its metrics.
+    """Run a scenario at every point of a grid of start values; keep its metrics over the axes.
 
     A point that fails does not affect the others. A sweep that was stopped goes on where it was
     when the same command is given again.
@@ -56,8 +60,8 @@ def sweep(
     from ..simulation.interrupt import Interrupt
     from ..studies.sweep.study import sweep as run_sweep
 
-    target = output or Path("results") / f"{Path(scenario).stem}.sweep.nc"
     with Interrupt() as interrupt, common.reported():
+        target = common.result_path(scenario, output, name, ".sweep.nc")
         data = run_sweep(
             scenario,
             over,
@@ -69,6 +73,7 @@ def sweep(
             scheduler=scheduler,
             patience=patience,
             refine=refine,
+            overwrite=output is not None,
             progress=not (quiet or json) and sys.stderr.isatty(),
             interrupt=interrupt,
         )
@@ -78,8 +83,13 @@ def sweep(
         common.print_json({"result": str(target), "points": facts(data)})
     elif not quiet:
         from rich.console import Console
+        from rich.text import Text
 
-        from ..studies.sweep.table import table
+        from ..studies.sweep.table import remarks, tables
 
-        Console().print(table(data))
-        typer.echo(f"result:  {target}")
+        console = Console()
+        for table in tables(data, console.width):
+            console.print(table)
+        for line in remarks(data):
+            console.print(Text(line))
+        typer.echo(f"result: {target}")

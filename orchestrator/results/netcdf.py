@@ -11,7 +11,7 @@ import hashlib
 import json
 import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
@@ -132,8 +132,8 @@ def segments_for(plan: Plan, path: Path) -> Segments:
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[xarray.Dataset]:
-    """A result file to read; `InputError` where it is not one."""
+def opened_file(path: Path) -> Iterator[xarray.Dataset]:
+    """A netCDF file to read, a run's or a sweep's; `InputError` where it is not one."""
     import xarray
 
     if not path.is_file():
@@ -143,9 +143,23 @@ def opened(path: Path) -> Iterator[xarray.Dataset]:
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(f"{path}: not a result that can be read ({error})") from None
     with data:
+        yield data
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[xarray.Dataset]:
+    """The result of a run to read; `InputError` where a file is not one, or has no rows."""
+    with opened_file(path) as data:
+        if is_sweep(data.attrs):
+            raise InputError(f"{path}: is a sweep; this takes the result of a run")
         if "time" not in data.coords or not data.sizes["time"]:
             raise InputError(f"{path}: holds no rows over time")
         yield data
+
+
+def is_sweep(attributes: Mapping[Any, Any]) -> bool:
+    """Whether a file with these attributes is the result of a sweep."""
+    return "axes" in attributes
 
 
 def partial_path(path: Path) -> Path:

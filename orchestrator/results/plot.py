@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
+from itertools import cycle
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InputError, nearest
 from ..report.image import save_figure
@@ -19,6 +23,8 @@ if TYPE_CHECKING:
 
 CYCLES = 5.0
 MOST_POINTS = 20_000
+STYLES = ("-", "--", ":", "-.")
+"""Lines of the runs that are drawn over each other."""
 
 
 def draw(
@@ -32,36 +38,70 @@ def draw(
     With `patterns` the variables that match, one panel for each unit; `InputError` where none
     does. `OutputError` where the plot cannot be written. `cycles` 0 draws everything.
     """
+    return overlay({"": recorded(source)}, path, patterns, cycles)
+
+
+def overlay(
+    runs: Mapping[str, Recorded],
+    path: Path,
+    patterns: list[str] | None = None,
+    cycles: float = CYCLES,
+) -> Path:
+    """Draw the same variables of several runs over each other, by the names of the runs.
+
+    The panels are those of the first one; a variable has one colour, a run one kind of line. All
+    end where the first of them ends. The rest is as for :func:`draw`.
+    """
     from matplotlib.figure import Figure
 
-    data = recorded(source)
-    panels = _panels(data) if patterns is None else _chosen(data, patterns)
-    time, first = data.times, 0
-    if data.frequency > 0.0 and cycles > 0.0:
-        first = int(np.searchsorted(time, time[-1] - cycles / data.frequency))
-    shown = slice(first, None, max(1, (len(time) - first) // MOST_POINTS))
-    figure = Figure(figsize=(8.0, 1.0 + 1.6 * len(panels)))
+    first = next(iter(runs.values()))
+    units = {
+        name: unit for data in reversed(list(runs.values())) for name, unit in data.units.items()
+    }
+    if not units:
+        raise InputError("no variable was recorded, so there is nothing to draw")
+    panels = _chosen(units, patterns) if patterns else _panels(units, first.plot or {})
+    begin, end = _span(runs.values(), cycles)
+    figure = Figure(figsize=(9.0, 1.0 + 1.6 * len(panels)), layout="constrained")
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)
-    for axis, (label, scale, names) in zip(axes[:, 0], panels, strict=True):
-        _panel(axis, data, shown, label, scale, names)
+    for axis, (label, unit, names) in zip(axes[:, 0], panels, strict=True):
+        for style, (run, data) in zip(cycle(STYLES), runs.items()):
+            shown = _shown(data.times, begin, end)
+            _curves(axis, run, data, shown, unit, names, style)
+        axis.set_ylabel(_plain(label), fontsize=8)
+        axis.grid(visible=True, alpha=0.3)
+        if len(names) * len(runs) > 1:
+            axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axes[-1, 0].set_xlabel("Time (s)")
-    figure.suptitle(data.title.replace("$", r"\$"))
-    figure.tight_layout()
+    figure.suptitle(_plain(first.title if len(runs) == 1 else ", ".join(runs)))
     return save_figure(figure, path, 110)
 
 
-def _panels(data: Recorded) -> list[tuple[str, float, list[str]]]:
-    """The panels of the scenario's table `plot` as far as recorded; else the first variables."""
-    names = list(data.series)
+def _span(runs: Iterable[Recorded], cycles: float) -> tuple[float, float]:
+    """Begin and end of what is drawn [s]: the last cycles of the slowest run that all have."""
+    known = list(runs)
+    end = min(float(data.times[-1]) for data in known)
+    slowest = min(data.frequency for data in known)
+    return (end - cycles / slowest if slowest > 0.0 and cycles > 0.0 else -inf), end
+
+
+def _shown(times: NDArray[np.float64], begin: float, end: float) -> slice:
+    first, last = (int(k) for k in np.searchsorted(times, [begin, end]))
+    return slice(first, last + 1, max(1, (last + 1 - first) // MOST_POINTS))
+
+
+def _panels(
+    units: Mapping[str, str], wanted: Mapping[str, Any]
+) -> list[tuple[str, str, list[str]]]:
+    """The panels of a scenario's table `plot` as far as recorded; else the first variables."""
     panels = []
-    for label, text in (data.plot or {}).items():
+    for label, text in wanted.items():
         patterns, _, unit = str(text).partition(" in ")
-        shown = [n for n in names if any(fnmatchcase(n, p.strip()) for p in patterns.split(","))]
+        shown = [n for n in units if any(fnmatchcase(n, p.strip()) for p in patterns.split(","))]
         if shown:
-            own = data.units[shown[0]]
-            scale = _scale(own, unit.strip())
-            panels.append((f"{label} ({unit.strip() or own})", scale, shown))
-    return panels or [("value", 1.0, names[:4])]
+            common = unit.strip() or units[shown[0]]
+            panels.append((f"{label} ({common})", common, shown))
+    return panels or [("value", "", list(units)[:4])]
 
 
 def _scale(own: str, wanted: str) -> float:
@@ -71,29 +111,33 @@ def _scale(own: str, wanted: str) -> float:
         return 1.0
 
 
-def _chosen(data: Recorded, patterns: list[str]) -> list[tuple[str, float, list[str]]]:
+def _chosen(units: Mapping[str, str], patterns: list[str]) -> list[tuple[str, str, list[str]]]:
     """Variables that match, by unit."""
-    names = list(data.series)
     panels: dict[str, list[str]] = {}
     for pattern in patterns:
-        matching = [name for name in names if fnmatchcase(name, pattern)]
+        matching = [name for name in units if fnmatchcase(name, pattern)]
         if not matching:
             raise InputError(
-                f"--variable {pattern!r}: not in the result; {nearest(pattern, names)}"
+                f"--variable {pattern!r}: not in the result; {nearest(pattern, units)}"
             )
         for name in matching:
-            group = panels.setdefault(data.units[name], [])
+            group = panels.setdefault(units[name], [])
             if name not in group:
                 group.append(name)
-    return [(unit, 1.0, group) for unit, group in panels.items()]
+    return [(unit, unit, group) for unit, group in panels.items()]
 
 
-def _panel(
-    axis: Any, data: Recorded, shown: slice, label: str, scale: float, names: list[str]
+def _curves(
+    axis: Any, run: str, data: Recorded, shown: slice, unit: str, names: list[str], style: str
 ) -> None:
-    for name in names:
-        axis.plot(data.times[shown], scale * data.series[name][shown], label=name, lw=1.2)
-    axis.set_ylabel(label.replace("$", r"\$"), fontsize=8)
-    axis.grid(visible=True, alpha=0.3)
-    if len(names) > 1:
-        axis.legend(fontsize=7, loc="upper right")
+    """The variables of a panel that a run has."""
+    for k, name in enumerate(names):
+        if name not in data.series:
+            continue
+        values = _scale(data.units[name], unit) * data.series[name][shown]
+        label = _plain(f"{name}, {run}" if run else name)
+        axis.plot(data.times[shown], values, style, color=f"C{k % 10}", label=label, lw=1.2)
+
+
+def _plain(text: str) -> str:
+    return text.replace("$", r"\$")

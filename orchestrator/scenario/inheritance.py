@@ -31,16 +31,23 @@ def _based(tree: dict[str, Any], path: Path, seen: list[Path]) -> dict[str, Any]
         raise ScenarioError(f"{path}: {problem}" for problem in problems)
     base_name = tree.pop("extends", None)
     dropped = tree.pop("without", [])
+    inherits = tree.get("record", {}).pop("inherit", True)
     if base_name is None:
-        if dropped:
-            raise ScenarioError(f"{path}: without: has a meaning only beside extends")
+        for key, given in (("without", dropped), ("record.inherit", not inherits)):
+            if given:
+                raise ScenarioError(f"{path}: {key}: has a meaning only beside extends")
         return tree
     base_path = scenario_path(base_name, path.parent)
     base = _merged(base_path, seen)
     _anchor(base, base_path, path)
     _drop(base, dropped, path)
     _drop_wired_holds(base, tree.get("wires", []))
-    return _overlaid(base, tree) | {"without": [*base.get("without", []), *dropped]}
+    if not inherits:
+        base.pop("record", None)
+    return _overlaid(base, tree) | {
+        "without": [*base.get("without", []), *dropped],
+        "of_replaced": [*base.get("of_replaced", []), *_of_replaced(base, tree)],
+    }
 
 
 def _anchor(base: dict[str, Any], base_path: Path, path: Path) -> None:
@@ -78,6 +85,8 @@ def _misshapen(tree: dict[str, Any]) -> Iterator[str]:
         if key in tree and not isinstance(tree[key], kind):
             yield f"{key}: expected {words}"
             return
+    if "of_replaced" in tree:
+        yield "of_replaced: unknown key; it follows from extends"
     for name in tree.get("without", []):
         if not isinstance(name, str):
             yield "without: expected a list of components"
@@ -91,7 +100,13 @@ def _misshapen(tree: dict[str, Any]) -> Iterator[str]:
     for index, fault in enumerate(tree.get("faults", [])):
         if not isinstance(fault, dict) or not isinstance(fault.get("on"), str):
             yield f"faults.{index}: expected a table with at, on and kind"
-    variables = tree.get("record", {}).get("variables", [])
+    yield from _misshapen_record(tree.get("record", {}))
+
+
+def _misshapen_record(record: dict[str, Any]) -> Iterator[str]:
+    if not isinstance(record.get("inherit", True), bool):
+        yield "record.inherit: expected true or false"
+    variables = record.get("variables", [])
     if not isinstance(variables, list):
         yield "record.variables: expected a list of texts"
         return
@@ -149,6 +164,27 @@ def _mentions(text: Any, prefix: str) -> bool:
         return any(name.startswith(prefix) for name in expression_of(text).variables)
     except (ValueError, TypeError, AttributeError):
         return False
+
+
+def _of_replaced(base: dict[str, Any], top: dict[str, Any]) -> Iterator[str]:
+    """Inherited record patterns and metrics of components to which `top` gives another source."""
+    old = base.get("components", {})
+    replaced = [
+        f"{name}."
+        for name, component in top.get("components", {}).items()
+        if name in old and _is_other(component, old[name])
+    ]
+    for pattern in base.get("record", {}).get("variables", []):
+        if any(pattern.startswith(prefix) for prefix in replaced):
+            yield pattern
+    for name, text in base.get("metrics", {}).items():
+        if name not in top.get("metrics", {}) and any(_mentions(text, p) for p in replaced):
+            yield name
+
+
+def _is_other(component: dict[str, Any], old: dict[str, Any]) -> bool:
+    """Whether a component names another `fmu` or `data` than the one that it is laid over."""
+    return any(key in component and component[key] != old.get(key) for key in ("fmu", "data"))
 
 
 def _drop_wired_holds(base: dict[str, Any], wires: Any) -> None:

@@ -32,6 +32,12 @@ def built_part(name: str, library: Path) -> Path:
     return python
 
 
+def part_names(library: Path) -> list[str]:
+    """Names of the built parts in a folder of FMUs, or in a library of both kinds."""
+    folders = [library / PYTHON, library / NATIVE] if is_library(library) else [library]
+    return sorted({path.stem for folder in folders for path in folder.glob("*.fmu")})
+
+
 def is_library(folder: Path) -> bool:
     """Whether a folder holds both kinds of FMU in folders of their own."""
     return folder == LIBRARY or (folder / PYTHON).is_dir() or (folder / NATIVE).is_dir()

@@ -136,8 +136,11 @@ class Record(Table):
     """Which outputs are kept, by pattern, at every how many steps, and over what last stretch.
 
     `leading` are patterns of those whose error counts in studies and in the automatic step;
-    without it, the recorded outputs that are wired count.
+    without it, the recorded outputs that are wired count. Beside `extends`, `inherit = false`
+    leaves out the whole table of the scenario that is extended; else patterns add to its own.
     """
+
+    inherit: Annotated[Flag, Field(exclude=True)] = True
 
     variables: list[Text] = ["*"]
     leading: list[Text] = []
@@ -165,12 +168,15 @@ class Metrics(Table):
 class Scenario(Table):
     """A whole scenario, `extends` resolved; `without` lists what was left out on the way.
 
+    `of_replaced` are record patterns and metrics that were inherited for another FMU or recording
+    than their component has now: they are dropped where that lacks their variables.
     `plot` gives the panels of the plot: label, and patterns of variables, as
     `amplifier.*.voltage in kV`.
     """
 
     title: Text = ""
     without: list[Text] = []
+    of_replaced: list[Text] = []
     time: Time = Time()
     master: MasterSettings = MasterSettings()
     components: dict[str, Component] = {}
@@ -190,6 +196,7 @@ def json_schema() -> dict[str, Any]:
     """
     schema = Scenario.model_json_schema(by_alias=True)
     schema["title"] = "Resilin scenario"
+    del schema["properties"]["of_replaced"]
     schema["properties"] = {
         "extends": {"type": "string", "description": "Scenario that this one changes."},
         "without": {

@@ -5,6 +5,9 @@ as it is. What the part has and the recording does not have is dropped and liste
 holds and actions on it, and records of outputs that are not among its columns. A wire from a
 port that was not recorded gives way to a hold of the input that it feeds; without such a hold it
 is a problem, and so is a port whose first member was not recorded.
+
+Where another FMU takes the place of a part, wires and holds have to fit; records and metrics that
+were inherited for the old part are dropped and listed.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from fnmatch import fnmatchcase
 from ..errors import Problems, nearest, printable
 from ..fmi.description import Interface
 from .metric_expression import expression_of
-from .schema import ActionSpec, Metrics, Scenario, Wire
+from .schema import ActionSpec, Metrics, Record, Scenario, Wire
 
 
 def substituted(
@@ -25,7 +28,7 @@ def substituted(
     problems: Problems,
 ) -> tuple[Scenario, list[str]]:
     """The scenario without what its recordings do not have, and a line for all that was dropped."""
-    if not recorded:
+    if not recorded and not scenario.of_replaced:
         return scenario, []
     dropped: list[str] = []
     wires = [
@@ -40,31 +43,53 @@ def substituted(
         else:
             hold[name] = value
     actions = [_kept(action, recorded, dropped) for action in scenario.actions]
-    variables = []
-    for pattern in scenario.record.variables:
-        name, _, rest = pattern.partition(".")
-        if name in recorded and not any(
-            rest == v.name or fnmatchcase(v.name, rest) for v in interfaces[name].of("output")
-        ):
-            dropped.append(f"record {pattern}: not in the recording")
-        else:
-            variables.append(pattern)
-    record = scenario.record.model_copy(update={"variables": variables})
-    metrics: dict[str, int | str] = {"cycles": scenario.metrics.cycles}
-    for key, text in scenario.metrics.defined.items():
-        missing = _missing(text, recorded, interfaces)
-        if missing:
-            dropped.append(f"metric {key}: {missing} is not in the recording")
-        else:
-            metrics[key] = text
     left = {
         "wires": wires,
         "hold": hold,
         "actions": [a for a in actions if a.set],
-        "record": record,
-        "metrics": Metrics.model_validate(metrics),
+        "record": _records(scenario, interfaces, recorded, dropped),
+        "metrics": _metrics(scenario, interfaces, recorded, dropped),
     }
     return scenario.model_copy(update=left), dropped
+
+
+def _records(
+    scenario: Scenario,
+    interfaces: dict[str, Interface],
+    recorded: Collection[str],
+    dropped: list[str],
+) -> Record:
+    """The record table without the patterns of outputs that are not there."""
+    variables = []
+    for pattern in scenario.record.variables:
+        name, _, rest = pattern.partition(".")
+        may_lack = name in interfaces and (name in recorded or pattern in scenario.of_replaced)
+        if may_lack and not any(
+            rest == v.name or fnmatchcase(v.name, rest) for v in interfaces[name].of("output")
+        ):
+            dropped.append(f"record {pattern}: not in {_kind(name, recorded)}")
+        else:
+            variables.append(pattern)
+    return scenario.record.model_copy(update={"variables": variables})
+
+
+def _metrics(
+    scenario: Scenario,
+    interfaces: dict[str, Interface],
+    recorded: Collection[str],
+    dropped: list[str],
+) -> Metrics:
+    """The metrics without those of outputs that are not there."""
+    metrics: dict[str, int | str] = {"cycles": scenario.metrics.cycles}
+    for key, text in scenario.metrics.defined.items():
+        may_lack = interfaces if key in scenario.of_replaced else recorded
+        missing = _missing(text, may_lack, interfaces)
+        if missing:
+            kind = _kind(missing.partition(".")[0], recorded)
+            dropped.append(f"metric {key}: {missing} is not in {kind}")
+        else:
+            metrics[key] = text
+    return Metrics.model_validate(metrics)
 
 
 def _drops_wire(
@@ -102,15 +127,20 @@ def _drops_wire(
     return True
 
 
-def _missing(text: str, recorded: Collection[str], interfaces: dict[str, Interface]) -> str:
-    """The first variable of a metric that a recording does not have; "" where it has all."""
+def _kind(name: str, recorded: Collection[str]) -> str:
+    """How a message calls what stands in the place of a part."""
+    return "the recording" if name in recorded else "the FMU in its place"
+
+
+def _missing(text: str, components: Collection[str], interfaces: dict[str, Interface]) -> str:
+    """The first variable of a metric that one of the components lacks; "" where they have all."""
     try:
         variables = expression_of(text).variables
     except ValueError:
         return ""
     for variable in variables:
         name, _, rest = variable.partition(".")
-        if name in recorded and rest not in interfaces[name].variables:
+        if name in components and rest not in interfaces[name].variables:
             return variable
     return ""
 

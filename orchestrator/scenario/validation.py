@@ -76,6 +76,7 @@ def _suggestion(place: list[str], word: str) -> str:
         table = PerCycle
     keys = [field.alias or name for name, field in table.model_fields.items()]
     if table is Scenario:
-        keys += ["extends", "without"]
+        keys += ["extends"]
+        keys.remove("of_replaced")
     close = difflib.get_close_matches(word, keys, n=1)
     return f"did you mean {close[0]!r}?" if close else f"there is {', '.join(sorted(keys))}"

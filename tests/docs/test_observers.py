@@ -18,7 +18,7 @@ def test_the_observer_of_the_page_runs(
     library: Path, outcome: Runner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = re.search(
-        r"^    from orchestrator import Observer.*\n(?:\n|    .*\n)+", PAGE.read_text(), re.M
+        r"^    from resilin import Observer.*\n(?:\n|    .*\n)+", PAGE.read_text(), re.M
     )
     assert found is not None
     code = "\n".join(line[4:] for line in found[0].splitlines())

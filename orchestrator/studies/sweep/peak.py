@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -48,6 +48,37 @@ def peak_of(values: Mapping[float, float]) -> Peak | None:
     slope = left + bend * (x1 - x0)
     shift = -0.5 * slope / bend
     return Peak(x1 + shift, top.value + 0.5 * slope * shift)
+
+
+def uncertainty_of(values: Mapping[float, float]) -> Peak | None:
+    """How far the vertex may be from the true peak, in place and in value.
+
+    The parabola is compared with the cubic through one more point on either side: the next term of
+    Newton's interpolation. A place is at most as uncertain as the vertex is far from the
+    neighbours. None where the largest value has none on both sides, or there is no fourth point.
+    """
+    places, k = _largest(values)
+    peak = peak_of(values)
+    if k is None or peak is None or not 0 < k < len(places) - 1:
+        return None
+    near = places[k - 1 : k + 2]
+    bend = _divided(near, values)
+    beside = [places[n] for n in (k - 2, k + 2) if 0 <= n < len(places)]
+    thirds = [_divided([*near, place], values) for place in beside]
+    third = max((abs(each) for each in thirds if math.isfinite(each)), default=math.nan)
+    if not (bend < 0.0 and math.isfinite(third)):
+        return None
+    a, b, c = (peak.at - place for place in near)
+    slope = third * abs(b * c + a * c + a * b)
+    return Peak(min(-0.5 * slope / bend, max(a, -c)), third * abs(a * b * c))
+
+
+def _divided(places: Sequence[float], values: Mapping[float, float]) -> float:
+    """Divided difference over all of the places."""
+    if len(places) == 1:
+        return values[places[0]]
+    rise = _divided(places[1:], values) - _divided(places[:-1], values)
+    return rise / (places[-1] - places[0])
 
 
 def spacing(values: Mapping[float, float]) -> float:

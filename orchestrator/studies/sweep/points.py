@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -73,12 +73,16 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Grid:
-    """All points of the axes' product, checked; `plan` is that of the first one."""
+    """All points of the axes' product, checked; `plan` is that of the first one.
+
+    `shape` counts the values on each axis; the last one changes first from point to point.
+    """
 
     setting: Setting
     plan: Plan
     coordinates: list[Coordinate]
-    points: list[Point] = field(default_factory=list)
+    shape: tuple[int, ...]
+    points: list[Point]
 
 
 def planned(setting: Setting, axes: Sequence[Axis], check: Callable[[], None]) -> Grid:
@@ -100,7 +104,8 @@ def planned(setting: Setting, axes: Sequence[Axis], check: Callable[[], None]) -
         points.append(point)
     if problems or first is None:
         raise ScenarioError(problems)
-    return Grid(setting, first, [_coordinate(first, name) for name in names], points)
+    coordinates = [_coordinate(first, name) for name in names]
+    return Grid(setting, first, coordinates, tuple(len(axis.values) for axis in axes), points)
 
 
 def point_at(

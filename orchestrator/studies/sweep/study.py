@@ -12,14 +12,15 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...errors import InputError, OutputError, SimulationError, nearest
+from ...errors import InputError, OutputError, SimulationError, nearest, printable
 from ...scenario.files import scenario_names, scenario_path
 from ...scenario.library import LIBRARY
 from ...simulation.interrupt import Interrupt, Interrupted
 from ..workers.pool import Answer, Failed, WorkerPool
 from .axes import Axis, check_axes, parse_axis
 from .checkpoint import Checkpoint, record_of
-from .peak import FINEST, Peak, middles, peak_of, spacing
+from .metric_units import shown_units
+from .peak import FINEST, Peak, middles, peak_of, spacing, uncertainty_of
 from .points import Grid, Point, Record, Setting, calculate, planned, point_at
 
 if TYPE_CHECKING:
@@ -43,10 +44,14 @@ def sweep(
     patience: float | None = None,
     refine: str | None = None,
     keep: bool = False,
+    overwrite: bool = True,
     progress: bool | None = None,
     interrupt: Interrupt | None = None,
 ) -> xarray.Dataset:
-    """Run a scenario at every point of the axes' product; its metrics over dimension `point`.
+    """Run a scenario at every point of the axes' product; its metrics over the axes.
+
+    Each axis is a dimension with its values as coordinate, numbers rising, so that
+    `data["travel"].sel({"amplifier.frequency": 18}, method="nearest")` picks a point.
 
     An axis may be a text, as :func:`~orchestrator.studies.sweep.axes.parse_axis` reads it.
     `changes` and `options` hold for all points, as for :func:`orchestrator.simulation.load.load`.
@@ -59,9 +64,13 @@ def sweep(
     The result is written to `target`. A sweep that is interrupted, or loses its scheduler, leaves
     `TARGET.partial.nc` with `missing` points, and goes on from `TARGET.points` the next time:
     points of another scenario, FMU or version of Resilin are not reused. `keep` leaves that
-    folder after a whole sweep. Raises `InputError` with all problems before anything runs.
+    folder after a whole sweep. Without `overwrite` a result of other points at `target` is kept
+    under another name, with a :class:`~orchestrator.errors.KeptWarning`. Raises `InputError` with
+    all problems before anything runs.
     """
+    from ...results.kept_aside import keep_other
     from ...results.netcdf import clear, prepare
+    from .dataset import described
 
     common = dict(changes or {})
     parsed = [parse_axis(axis) if isinstance(axis, str) else axis for axis in axes]
@@ -74,12 +83,16 @@ def sweep(
     grid = planned(setting, parsed, check)
     if refine is not None and not grid.coordinates[0].numeric:
         raise InputError(f"refine: {parsed[0].name} takes texts, and there is nothing between them")
+    if refine is not None and refine not in (known := shown_units(grid.plan)):
+        raise InputError(f"refine: no metric {printable(refine)!r}; {nearest(refine, known)}")
     prepare(target)
     with (
         Checkpoint(target) as folder,
         WorkerPool(calculate, workers, scheduler, patience) as pool,
         _bar(bool(progress)) as show,
     ):
+        if not overwrite:
+            keep_other(target, described(grid, refine))
         clear(target)
         study = _Study(grid, folder, pool, refine, check, show)
         return study.carried_out(target, keep)
@@ -139,7 +152,6 @@ class _Study:
     def _find_peak(self, metric: str) -> None:
         """Add points beside the largest value of a metric, until they change it no more."""
         axis = self._grid.coordinates[0]
-        self._check_known(metric)
         finest = FINEST * spacing(self._values(metric))
         while True:
             values, before = self._values(metric), self._peak
@@ -151,7 +163,7 @@ class _Study:
             more = [self._at(place) for place in middles(values, finest, whole=axis.whole)]
             if not more:
                 return
-            self._points = sorted([*self._points, *more], key=lambda point: point.place)
+            self._points += more
             self._run(more)
 
     def _values(self, metric: str) -> dict[float, float]:
@@ -163,11 +175,6 @@ class _Study:
             values[float(point.place[0])] = math.nan if value is None else value
         return values
 
-    def _check_known(self, metric: str) -> None:
-        names = {name for record in self._records.values() for name, _, _ in record.metrics}
-        if names and metric not in names:
-            raise InputError(f"no metric {metric!r} to refine; {nearest(metric, names)}")
-
     def _at(self, place: float) -> Point:
         """A point between those of the grid."""
         axis, setting = self._grid.coordinates[0], self._grid.setting
@@ -177,9 +184,12 @@ class _Study:
     def _written(self, target: Path, reason: str) -> xarray.Dataset:
         from .dataset import collected, write
 
-        data = collected(self._grid, self._points, self._records, reason)
-        if self._peak is not None:
-            found = {"refined": self._refine, "peak_at": self._peak.at, "peak": self._peak.value}
+        data = collected(self._grid, self._points, self._records, reason, self._refine)
+        if self._refine is not None and self._peak is not None:
+            found = {"peak_at": self._peak.at, "peak": self._peak.value}
+            error = uncertainty_of(self._values(self._refine))
+            if error is not None:
+                found |= {"peak_at_uncertainty": error.at, "peak_uncertainty": error.value}
             data.attrs |= found
         write(data, target)
         return data

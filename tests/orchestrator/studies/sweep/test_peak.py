@@ -11,7 +11,14 @@ import pytest
 import xarray
 
 from orchestrator.errors import InputError
-from orchestrator.studies.sweep.peak import FINEST, Peak, middles, peak_of, spacing
+from orchestrator.studies.sweep.peak import (
+    FINEST,
+    Peak,
+    middles,
+    peak_of,
+    spacing,
+    uncertainty_of,
+)
 from tests.orchestrator.studies.sweeps import STROKE, Sweep, files
 
 
@@ -32,6 +39,10 @@ def test_bisection_finds_a_resonance(top: float) -> None:
     exact = top * math.sqrt(1 - 2 * 0.1**2)
     assert abs(found.at - exact) < finest
     assert found.value == pytest.approx(response(exact), rel=1e-3)
+    error = uncertainty_of(values)
+    assert error is not None
+    assert abs(found.at - exact) < 2.0 * error.at < 2.0 * finest
+    assert abs(found.value - response(exact)) < 2.0 * error.value
     assert len(values) <= 9 + 6
 
 
@@ -57,6 +68,20 @@ def test_the_top_of_a_parabola(values: Mapping[float, float], peak: Peak | None)
         assert (found.at, found.value) == pytest.approx((peak.at, peak.value))
 
 
+@pytest.mark.parametrize(
+    "values",
+    [
+        {},
+        {0.0: 1.0, 1.0: 2.0, 2.0: 3.0, 3.0: 4.0},
+        {0.0: 1.0, 1.0: 2.0, 2.0: 1.0},
+        {0.0: 1.0, 1.0: 2.0, 2.0: math.nan, 3.0: 0.0},
+    ],
+    ids=["nothing", "at an end", "three points", "beside no value"],
+)
+def test_a_peak_that_is_not_enclosed_has_no_uncertainty(values: Mapping[float, float]) -> None:
+    assert uncertainty_of(values) is None
+
+
 def test_whole_numbers_are_bisected_into_whole_numbers() -> None:
     values = {2.0: 1.0, 4.0: 3.0, 5.0: 2.0}
     assert middles(values, 0.1, whole=True) == [3.0]
@@ -75,6 +100,8 @@ def test_refining_adds_points_at_the_peak(swept: Sweep, tmp_path: Path) -> None:
     assert abs(data.attrs["peak_at"] - fine["amplifier.frequency"].values[best]) <= 0.75
     assert data.attrs["peak"] == pytest.approx(float(fine[STROKE].values[best]), rel=5e-3)
     assert stroke.max() <= data.attrs["peak"] * (1 + 1e-12)
+    assert 0.0 < data.attrs["peak_at_uncertainty"] < 4.0
+    assert list(places[data["added"].values == 0]) == [8.0, 14.0, 20.0, 26.0]
     before = files(target)
     again = swept(coarse, target=target, refine=STROKE, keep=True)
     assert files(target) == before
@@ -91,6 +118,6 @@ def test_what_cannot_be_refined_is_refused(swept: Sweep, tmp_path: Path) -> None
     ]:
         with pytest.raises(InputError, match=reason):
             swept(*axes, target=target, refine=STROKE)
-    with pytest.raises(InputError, match=r"did you mean 'flapping stroke'.*3 of 3 points"):
+    with pytest.raises(InputError, match=r"no metric 'flaping stroke'; did you mean 'flapping str"):
         swept(frequencies, target=target, refine="flaping stroke")
-    assert len(files(target)) == 3
+    assert list(tmp_path.iterdir()) == []

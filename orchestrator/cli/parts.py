@@ -1,0 +1,76 @@
+"""`resilin parts`: the built parts, and what can be set and wired on one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import InputError
+from . import common, completion
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("parts")(parts)
+
+
+def parts(
+    part: Annotated[
+        str | None,
+        typer.Argument(
+            help="A part, or an .fmu file; all parts are listed if none.",
+            autocompletion=completion.parts,
+        ),
+    ] = None,
+    fmus: common.Library = common.BUILT,
+    native: common.Native = None,
+    json: common.Json = False,
+) -> None:
+    """List the parts; or show one: its parameters with start value, range and meaning, its ports.
+
+    Example: resilin parts amplifier
+    """
+    with common.reported():
+        library = common.library(fmus, native)
+        if part is None:
+            _list(library, json)
+        else:
+            show(part, library, json)
+
+
+def show(part: str, library: Path, json: bool) -> None:
+    """Print what a part offers, given by name or as a file."""
+    from ..scenario.part_inspection import description_of, part_facts, part_tables
+    from ..scenario.plan import interface_of
+
+    interface = interface_of(part, Path(), library)
+    if json:
+        common.print_json(part_facts(interface))
+        return
+    from rich.console import Console
+
+    typer.echo(f"{interface.path}: {description_of(interface.path)}")
+    for table in part_tables(interface):
+        Console().print(table)
+
+
+def _list(library: Path, json: bool) -> None:
+    from ..scenario.library import built_part, part_names
+    from ..scenario.part_inspection import description_of
+
+    found = {name: built_part(name, library) for name in part_names(library)}
+    if not found:
+        raise InputError(f"{library}: holds no FMU; run: resilin build")
+    described = {name: description_of(path) for name, path in found.items()}
+    if json:
+        common.print_json(
+            [
+                {"part": name, "fmu": str(found[name]), "description": text}
+                for name, text in described.items()
+            ]
+        )
+        return
+    for name, text in described.items():
+        typer.echo(f"{name:12} {text}")

@@ -1,0 +1,132 @@
+"""Two runs side by side: their metrics, and how far each variable of one is from the other's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from math import isfinite, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, nearest, printable
+from ..units import UnitError, factor
+from .metrics import Metric, metrics
+from .recorded import Recorded
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Second run minus first one of a variable, over the time that both have.
+
+    `largest` is the largest absolute difference, `at` [s] where it is, `rms` the root of the mean
+    square, in `unit`; `relative` is `largest` over the first run's largest absolute value.
+    """
+
+    name: str
+    unit: str
+    largest: float
+    at: float
+    rms: float
+    relative: float
+
+
+@dataclass(frozen=True)
+class MetricPair:
+    """A metric of both runs; None where one of them has none of that name."""
+
+    name: str
+    one: Metric | None
+    other: Metric | None
+
+    @property
+    def change(self) -> float:
+        """Second value minus first one, over the size of the first; NaN where there is none."""
+        if self.one is None or self.other is None or self.one.unit != self.other.unit:
+            return nan
+        rise = self.other.value - self.one.value
+        return rise / abs(self.one.value) if self.one.value else (0.0 if rise == 0.0 else nan)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two runs: metrics, differences with the largest relative one first, and what only one has."""
+
+    begin: float
+    end: float
+    metrics: list[MetricPair]
+    differences: list[Difference]
+    missing: tuple[list[str], list[str]]
+    """Variables that the first run lacks, and the second one."""
+
+
+def compared(
+    one: Recorded, other: Recorded, *, patterns: Sequence[str] | None = None
+) -> Comparison:
+    """Compare two runs at the first one's times, the second interpolated linearly between rows.
+
+    `patterns` choose variables. `InputError` where a pattern matches nothing that both have, or
+    the runs have no time in common.
+    """
+    begin = max(float(one.times[0]), float(other.times[0]))
+    end = min(float(one.times[-1]), float(other.times[-1]))
+    inside = (one.times >= begin) & (one.times <= end)
+    if not inside.any():
+        raise InputError(
+            f"the results have no time in common: one is from {one.times[0]:g} to"
+            f" {one.times[-1]:g} s, the other from {other.times[0]:g} to {other.times[-1]:g} s"
+        )
+    common = [name for name in one.series if name in other.series]
+    found = [_difference(one, other, name, inside) for name in _chosen(common, patterns)]
+    found.sort(key=lambda each: -each.relative if isfinite(each.relative) else 0.0)
+    missing = tuple(
+        [name for name in has.series if name not in lacks.series]
+        for lacks, has in ((one, other), (other, one))
+    )
+    return Comparison(begin, end, list(_pairs(one, other)), found, (missing[0], missing[1]))
+
+
+def _chosen(common: Sequence[str], patterns: Sequence[str] | None) -> list[str]:
+    for pattern in patterns or ():
+        if not any(fnmatchcase(name, pattern) for name in common):
+            raise InputError(
+                f"--variable {printable(pattern)!r}: not in both results;"
+                f" {nearest(pattern, common)}"
+            )
+    return [n for n in common if not patterns or any(fnmatchcase(n, p) for p in patterns)]
+
+
+def _pairs(one: Recorded, other: Recorded) -> Iterator[MetricPair]:
+    """Metrics by name, those of the first run first."""
+    ours, theirs = ({metric.name: metric for metric in metrics(data)} for data in (one, other))
+    for name in dict.fromkeys([*ours, *theirs]):
+        yield MetricPair(name, ours.get(name), theirs.get(name))
+
+
+def _difference(one: Recorded, other: Recorded, name: str, inside: NDArray[np.bool_]) -> Difference:
+    times, values = one.times[inside], one.series[name][inside]
+    unit = one.units[name]
+    there = np.interp(times, other.times, _scale(other.units[name], unit) * other.series[name])
+    apart = np.abs(there - values)
+    worst = int(np.argmax(apart))
+    size = float(np.max(np.abs(values)))
+    largest = float(apart[worst])
+    return Difference(
+        name,
+        unit,
+        largest,
+        float(times[worst]),
+        float(np.sqrt(np.mean(apart**2))),
+        largest / size if size > 0.0 else (0.0 if largest == 0.0 else nan),
+    )
+
+
+def _scale(own: str, wanted: str) -> float:
+    """Factor between two units; 1 where they are not known, NaN where they do not fit."""
+    if own == wanted or not (own and wanted):
+        return 1.0
+    try:
+        return factor(own, wanted)
+    except UnitError:
+        return nan

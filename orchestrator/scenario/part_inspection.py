@@ -1,0 +1,134 @@
+"""What a part offers: its parameters, and its ports with their members."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import printable
+from ..fmi.archive import read_description
+from ..fmi.description import Interface, Variable, read_interface
+from ..fmi.safe_xml import guarded
+from .library import LIBRARY, built_part, part_names
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+PARAMETERS = ("parameter", "structuralParameter")
+DIRECTIONS = {"input": "in", "output": "out"}
+MOST_NAMED = 2
+"""Members of a port that a table names; the others are counted."""
+
+
+def parts(library: Path = LIBRARY) -> dict[str, Interface]:
+    """The built parts by name: variables with unit, start value, range and meaning; ports.
+
+    `FmuError` where a file of the library is not an FMU.
+    """
+    return {name: read_interface(built_part(name, library)) for name in part_names(library)}
+
+
+def description_of(path: Path) -> str:
+    """What an FMU says of itself in one line; `FmuError` where it is not one."""
+    root = guarded(f"{path}: modelDescription.xml", read_description(path))
+    return printable(str(root.get("description") or ""))
+
+
+def part_tables(part: Interface) -> list[Table]:
+    """Parameters with start value, range and meaning; inputs and outputs, port by port."""
+    return [table for table in (_parameters(part), _ports(part)) if table.row_count]
+
+
+def part_facts(part: Interface) -> dict[str, Any]:
+    """The same as data for scripts."""
+    return {
+        "fmu": str(part.path),
+        "description": description_of(part.path),
+        "guid": part.guid,
+        "fmi": part.version,
+        "rollback": part.rollback,
+        "variable_step": part.variable_step,
+        "parameters": {
+            v.name: {
+                "start": start_of(v),
+                "unit": v.unit,
+                "least": v.least,
+                "most": v.most,
+                "choices": list(v.choices),
+                "tunable": v.tunable,
+                "meaning": v.description,
+            }
+            for v in part.of(*PARAMETERS)
+        },
+        "ports": [
+            {
+                "port": port,
+                "direction": direction,
+                "members": {v.name: {"unit": v.unit, "meaning": v.description} for v in members},
+            }
+            for port, direction, members in _by_port(part)
+        ],
+    }
+
+
+def start_of(variable: Variable) -> float | str | None:
+    """Start value of a parameter; a choice by its name."""
+    if variable.choices and variable.start is not None:
+        code = int(float(variable.start))
+        return variable.choices[variable.codes.index(code)] if code in variable.codes else code
+    return variable.start
+
+
+def _parameters(part: Interface) -> Table:
+    from rich.table import Table
+
+    table = Table("parameter", "start", "range", "meaning", title="parameters")
+    table.columns[1].justify = "right"
+    for v in part.of(*PARAMETERS):
+        start = start_of(v)
+        number = f"{start:.6g}" if isinstance(start, float) else printable(str(start or ""))
+        unit = "" if v.unit in {"", "1"} else f" {printable(v.unit)}"
+        tunable = " (tunable)" if v.tunable else ""
+        table.add_row(
+            printable(v.name), f"{number}{unit}", _range(v), printable(v.description) + tunable
+        )
+    return table
+
+
+def _range(variable: Variable) -> str:
+    """Choices, or the bounds that the FMU states, in the unit of the start value."""
+    if variable.choices:
+        return ", ".join(map(printable, variable.choices))
+    if variable.kind == "Boolean":
+        return "true, false"
+    least, most = variable.least, variable.most
+    if least is not None and most is not None:
+        return f"{least:g} to {most:g}"
+    if least is not None:
+        return f"from {least:g}"
+    return "" if most is None else f"to {most:g}"
+
+
+def _ports(part: Interface) -> Table:
+    from rich.table import Table
+
+    table = Table("port or variable", "", "members", "meaning of the first", title="ports")
+    for port, direction, members in _by_port(part):
+        first = members[0]
+        unit = "" if first.unit in {"", "1"} else f" [{printable(first.unit)}]"
+        names = ", ".join(printable(v.member) for v in members[:MOST_NAMED])
+        more = f" and {len(members) - MOST_NAMED}" if len(members) > MOST_NAMED else ""
+        listed = f"{names}{more}" if first.port else ""
+        table.add_row(printable(port), direction, listed, printable(first.description) + unit)
+    return table
+
+
+def _by_port(part: Interface) -> Iterator[tuple[str, str, list[Variable]]]:
+    """Ports, and variables in none, with direction and members; inputs first."""
+    for causality, direction in DIRECTIONS.items():
+        groups: dict[str, list[Variable]] = {}
+        for v in part.of(causality):
+            groups.setdefault(v.port or v.name, []).append(v)
+        for port, members in groups.items():
+            yield port, direction, members

@@ -1,0 +1,62 @@
+"""What a part offers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from orchestrator.cli import app
+from orchestrator.fmi.description import read_interface
+from orchestrator.scenario.part_inspection import part_facts, parts
+from tests.foreign.scenarios import Shelf, each_version
+
+
+def resilin(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, list(map(str, arguments)), env={"COLUMNS": "80"})
+
+
+def test_facts_of_a_part(library: Path) -> None:
+    facts = part_facts(parts(library)["amplifier"])
+    frequency, waveform = (facts["parameters"][name] for name in ("frequency", "waveform"))
+    assert frequency["unit"] == "Hz" and frequency["least"] == 0.0
+    assert frequency["meaning"] and facts["description"]
+    assert "square" in waveform["choices"] and waveform["start"] in waveform["choices"]
+    (top,) = (p for p in facts["ports"] if (p["port"], p["direction"]) == ("top", "out"))
+    assert top["members"]["top.voltage"]["unit"] == "V"
+
+
+def test_every_part_is_listed(library: Path) -> None:
+    listed = json.loads(resilin("parts", "--fmus", library, "--json").stdout)
+    names = sorted(path.stem for path in library.glob("*.fmu"))
+    assert [entry["part"] for entry in listed] == names
+    assert all(entry["description"] for entry in listed)
+    shown = resilin("parts", "--fmus", library).output
+    assert [line.split()[0] for line in shown.splitlines()] == names
+
+
+@pytest.mark.parametrize("command", ["parts", "inspect"])
+def test_a_part_is_shown_by_name_and_by_file(command: str, library: Path) -> None:
+    done = resilin(command, "amplifier", "--fmus", library)
+    assert done.exit_code == 0, done.output
+    for word in ("frequency", "square", "Hz", "top", "voltage"):
+        assert word in done.output
+    file = resilin(command, library / "amplifier.fmu", "--fmus", library)
+    assert file.output == done.output
+
+
+@each_version
+def test_foreign_fmus_are_shown_too(version: int, shelf: Shelf) -> None:
+    path = shelf("TYPES", version)
+    facts = part_facts(read_interface(path))
+    assert json.loads(resilin("parts", path, "--json").stdout) == facts
+    assert resilin("parts", path).exit_code == 0
+
+
+def test_what_is_not_there_is_refused(library: Path, tmp_path: Path) -> None:
+    wrong = resilin("parts", "amplifer", "--fmus", library)
+    assert wrong.exit_code == 2 and "did you mean 'amplifier'" in wrong.stderr
+    empty = resilin("parts", "--fmus", tmp_path)
+    assert empty.exit_code == 2 and "run: resilin build" in empty.stderr
