@@ -18,6 +18,7 @@ from ..errors import RenamedWarning, printable
 from . import (
     build,
     calibrate,
+    check,
     exchange,
     fit,
     inspect,
@@ -50,6 +51,7 @@ for module in (
     record,
     fit,
     inspect,
+    check,
     plot,
     exchange,
 ):

@@ -271,30 +271,49 @@ def _interfaces(
                 problems.add(f"components.{name}.fmu", error)
                 continue
         interfaces[name] = known[file]
+        for warning in interfaces[name].warnings if scenario.strict else ():
+            problems.add(f"components.{name}.fmu", f"{file}: modelDescription.xml: {warning}")
     return interfaces
 
 
 def _records(
     scenario: Scenario, interfaces: dict[str, Interface], problems: Problems
 ) -> list[tuple[str, Variable]]:
-    """Outputs that match a pattern of the record list, in the scenario's order."""
-    patterns = scenario.record.variables
-    outputs = [
-        (name, v)
-        for name, interface in interfaces.items()
-        for v in interface.of("output")
-        if v.numeric
-    ]
-    names = [f"{name}.{v.name}" for name, v in outputs]
-    for index, pattern in enumerate(patterns):
-        if not any(_matches(name, pattern) for name in names):
-            hint = nearest(pattern, names)
+    """Variables that match a pattern of the record list, in the scenario's order."""
+    chosen: set[tuple[str, str]] = set()
+    for index, pattern in enumerate(scenario.record.variables):
+        found = [
+            (component, name)
+            for component, interface in interfaces.items()
+            for name in _matching(component, interface, pattern)
+        ]
+        if not found:
+            outputs = [f"{c}.{v.name}" for c, i in interfaces.items() for v in i.of("output")]
+            hint = nearest(pattern, outputs)
             problems.add(f"record.variables[{index}]", f"no output {printable(pattern)!r}; {hint}")
+        chosen.update(found)
     return [
-        entry
-        for entry, name in zip(outputs, names, strict=True)
-        if any(_matches(name, pattern) for pattern in patterns)
+        (component, variable)
+        for component, interface in interfaces.items()
+        for variable in interface.variables.values()
+        if (component, variable.name) in chosen
     ]
+
+
+RECORDABLE = (("output",), ("local",), ("parameter", "calculatedParameter"))
+"""What a pattern stands for: outputs; where none matches, local variables; then parameters."""
+
+
+def _matching(component: str, interface: Interface, pattern: str) -> list[str]:
+    """Variables of one component that a pattern stands for."""
+    for causalities in RECORDABLE:
+        if found := [
+            v.name
+            for v in interface.of(*causalities)
+            if v.numeric and _matches(f"{component}.{v.name}", pattern)
+        ]:
+            return found
+    return []
 
 
 def _matches(name: str, pattern: str) -> bool:

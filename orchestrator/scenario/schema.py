@@ -44,7 +44,8 @@ class Component(RecordingSettings):
     """A built part by name or any FMU by path, with its start values; or a recording.
 
     `isolate` puts it into a process of its own, or keeps it out of one; there `patience` is the
-    time that one call may take, and `memory` what it may allocate. A recording is the file `data`
+    time that one call may take, and `memory` what it may allocate. `stop_time = false` keeps the
+    end of the run from an FMU that would integrate up to it at once. A recording is the file `data`
     with the keys of docs/reference/recordings.md; `memory` is how large it may be.
     """
 
@@ -52,6 +53,7 @@ class Component(RecordingSettings):
     start: dict[str, Quantity | Flag] = {}
     isolate: Flag | None = None
     patience: Quantity | None = None
+    stop_time: Flag = True
 
     @model_validator(mode="after")
     def _one_source(self) -> Component:
@@ -65,7 +67,7 @@ class Component(RecordingSettings):
             foreign = given & RECORDED
             fault = ": means nothing without data, the file of a recording"
         else:
-            foreign = given & {"start", "isolate", "patience"}
+            foreign = given & {"start", "isolate", "patience", "stop_time"}
             fault = ": means nothing to a recording, which has no parameters and runs in no process"
         if self.repeat is not False and not foreign:
             foreign = given & {"before", "after"}
@@ -162,10 +164,11 @@ class Scenario(Table):
     """A whole scenario, `extends` resolved; `without` lists what was left out on the way.
 
     `plot` gives the panels of the plot: label, and patterns of variables, as
-    `amplifier.*.voltage in kV`.
+    `amplifier.*.voltage in kV`. `strict` refuses FMUs with findings that are warnings else.
     """
 
     title: Text = ""
+    strict: Flag = False
     without: list[Text] = []
     time: Time = Time()
     master: MasterSettings = MasterSettings()

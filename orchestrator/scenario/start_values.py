@@ -14,22 +14,28 @@ def starts_of(
     """Start values in the FMUs' units, by component and variable."""
     starts: dict[str, dict[str, float | str]] = {}
     for name, component in scenario.components.items():
-        settable = {v.name: v for v in interfaces[name].of("parameter", "input")}
+        settable = {v.name: v for v in interfaces[name].variables.values() if v.startable}
         starts[name] = {}
         for key, value in component.start.items():
             where = f"components.{name}.start.{key}"
             if key not in settable:
                 known = interfaces[name].variables
-                hint = (
-                    f"it is an {known[key].causality}" if key in known else nearest(key, settable)
-                )
-                problems.add(where, f"no parameter {key!r} in {name}; {hint}")
+                if key in known:
+                    fault = f"{_kind(known[key])} cannot be set at the start"
+                else:
+                    fault = f"no parameter {key!r} in {name}; {nearest(key, settable)}"
+                problems.add(where, fault)
                 continue
             try:
                 starts[name][key] = start_value(settable[key], value)
             except UnitError as error:
                 problems.add(where, error)
     return starts
+
+
+def _kind(variable: Variable) -> str:
+    article = "an" if variable.causality[0] in "aeiou" else "a"
+    return f"{article} {variable.causality} that is not of initial exact or approx"
 
 
 def start_value(variable: Variable, value: float | str | bool) -> float | str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import printable
@@ -12,6 +13,11 @@ from .energy_audit import LIMIT
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+MOST_FINDINGS = 3
+"""Findings of one FMU that a run shows."""
+LEAST_ROWS = 10
+"""Rows from which outputs that stand still are noticed."""
 
 
 def errors(outcome: Outcome) -> Table:
@@ -56,6 +62,42 @@ def warnings(outcome: Outcome) -> Iterator[RunWarning]:
             yield RunWarning("coupling energy", name, text, share)
     if outcome.doubt:
         yield RunWarning("no estimate", "no error estimate", outcome.doubt)
+    yield from _descriptions(outcome)
+    for name in _silent(outcome):
+        text = (
+            "its outputs jump in the first step and never change again; if it integrates up to the"
+            " stop time at once, stop_time = false keeps that from it"
+        )
+        yield RunWarning("fmu", name, text)
+
+
+def _descriptions(outcome: Outcome) -> Iterator[RunWarning]:
+    """What was read past in each FMU: its first findings, and where the others are."""
+    seen: set[Path] = set()
     for name, interface in outcome.plan.interfaces.items():
-        for warning in interface.warnings[:1]:
+        if interface.path in seen:
+            continue
+        seen.add(interface.path)
+        for warning in interface.warnings[:MOST_FINDINGS]:
             yield RunWarning("fmu", name, warning)
+        if (left := len(interface.warnings) - MOST_FINDINGS) > 0:
+            yield RunWarning("fmu", name, f"{left} more: resilin check {interface.path}")
+
+
+def _silent(outcome: Outcome) -> Iterator[str]:
+    """FMUs that know the stop time and whose real outputs change in the first step alone."""
+    rows = outcome.rows
+    if not LEAST_ROWS <= len(rows) == outcome.kept:
+        return
+    plan = outcome.plan
+    for name, component in plan.scenario.components.items():
+        if plan.interfaces[name].ours or not component.stop_time:
+            continue
+        columns = [
+            k
+            for k, (owner, v) in enumerate(plan.records)
+            if owner == name and v.real and v.causality == "output"
+        ]
+        own = rows[:, columns]
+        if (own[0] != own[1]).any() and (own[1:] == own[1]).all():
+            yield name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from pathlib import Path
 
@@ -222,7 +223,9 @@ def test_suppressed_conversion_keeps_the_number(tmp_path: Path, native: Path) ->
     with zipfile.ZipFile(fmu) as archive:
         names = {n: archive.read(n) for n in archive.namelist()}
     text = names["modelDescription.xml"].decode()
-    text = text.replace('<Unit name="m">', '<Unit name="mm">').replace('unit="m"', 'unit="mm"')
+    unit = r'<Unit name="m">(\s*)<BaseUnit m="1"'
+    text = re.sub(unit, r'<Unit name="mm">\1<BaseUnit m="1" factor="0.001"', text)
+    text = text.replace('unit="m"', 'unit="mm"')
     with zipfile.ZipFile(tmp_path / "mm.fmu", "w") as archive:
         for name, data in names.items():
             archive.writestr(name, text if name == "modelDescription.xml" else data)
