@@ -6,7 +6,7 @@ everything that does not fit.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from math import inf
 from pathlib import Path
@@ -30,6 +30,9 @@ from .time_grid import Grid, frequency_of, grid_of, seconds
 
 if TYPE_CHECKING:
     from ..recording.recording import Recording
+
+HARDLY = 0.01
+"""Share of a run in which a recording has to have rows."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +104,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     records = _records(scenario, interfaces, problems)
     frequency = frequency_of(scenario, interfaces, starts, problems) or _recorded(recordings)
     grid = grid_of(scenario, frequency, problems)
+    interfaces |= _beside_the_run(scenario, recordings, grid, problems)
     actions = actions_of(scenario, interfaces, held, frequency, problems)
     faults = faults_of(scenario, interfaces, frequency, problems)
     limits = _limits(scenario, problems)
@@ -232,6 +236,37 @@ def _recordings(scenario: Scenario, path: Path, problems: Problems) -> dict[str,
             for line in error.problems:
                 problems.add(f"components.{name}.data", line)
     return found
+
+
+def _beside_the_run(
+    scenario: Scenario, recordings: dict[str, Recording], grid: Grid | None, problems: Problems
+) -> dict[str, Interface]:
+    """Interfaces of recordings that hardly meet the run, with a warning that says so.
+
+    One that gives a single value throughout because its rows lie elsewhere is a problem, unless
+    the scenario says what holds there.
+    """
+    doubtful: dict[str, Interface] = {}
+    for name, recording in recordings.items():
+        if grid is None or recording.track.period:
+            continue
+        given = scenario.components[name].model_fields_set
+        begin, end = recording.begin, recording.end
+        late = begin > grid.stop - HARDLY * (grid.stop - grid.start) and "before" not in given
+        early = end < grid.start + HARDLY * (grid.stop - grid.start) and "after" not in given
+        times = recording.rows + recording.offset
+        met = int(((times >= grid.start) & (times <= grid.stop)).sum())
+        text = (
+            f"its rows are from {begin:.9g} to {end:.9g} s, and {met or 'none'} of {len(times)} in"
+            f' the run from {grid.start:g} to {grid.stop:g} s; offset = "first" lays the first row'
+            ' on the time 0, units = { time = "ms" } gives the unit of its times'
+        )
+        if late or early:
+            problems.add(f"components.{name}.data", text)
+        elif met < 2:
+            interface = recording.interface
+            doubtful[name] = replace(interface, warnings=(*interface.warnings, text))
+    return doubtful
 
 
 def _replays(interfaces: dict[str, Interface]) -> list[str]:
