@@ -100,10 +100,10 @@ class Choice:
             )
         for k in clocks:
             headings[k] = Heading(headings[k].text, headings[k].name, "s")
-        made = [self._column(headings[k], k, name, problems) for k, name in taken.items()]
+        made = [self._column(headings, k, name, problems) for k, name in taken.items()]
         for table in ("units", "gains", "shifts"):
             for key in getattr(self, table) or {}:
-                if not any(key in _keys(headings[c.place], c.place, c.name) for c in made):
+                if not any(key in _keys(headings, c.place, c.name) for c in made):
                     hint = nearest(key, [c.heading for c in made])
                     problems.add(table, f"no column {printable(key)!r}; {hint}")
         problems.check()
@@ -135,9 +135,10 @@ class Choice:
                 taken[found[0]] = name
         return taken
 
-    def _column(self, heading: Heading, place: int, name: str, problems: Problems) -> Column:
+    def _column(self, headings: list[Heading], place: int, name: str, problems: Problems) -> Column:
         """A column with its unit: the scenario's, else the file's."""
-        keys = _keys(heading, place, name)
+        heading = headings[place]
+        keys = _keys(headings, place, name)
         units, gains, shifts = self.units or {}, self.gains or {}, self.shifts or {}
         unit = next((units[key] for key in keys if key in units), heading.unit)
         if name == TIME and unit.lower() in SECONDS:
@@ -152,9 +153,12 @@ class Choice:
         return Column(place, heading.text or str(place + 1), name, unit, gain, shift)
 
 
-def _keys(heading: Heading, place: int, name: str) -> list[str]:
-    """What a scenario may call a column, the most definite first."""
-    return [key for key in (heading.text, heading.name, name, str(place + 1)) if key]
+def _keys(headings: list[Heading], place: int, name: str) -> list[str]:
+    """What a scenario may call a column; its number where no heading is called so."""
+    number = str(place + 1)
+    if any(number in (heading.text, heading.name) for heading in headings):
+        number = ""
+    return [k for k in (headings[place].text, headings[place].name, name, number) if k]
 
 
 def _clock(headings: list[Heading]) -> int | None:

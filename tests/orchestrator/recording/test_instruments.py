@@ -58,6 +58,7 @@ KINDS: dict[str, tuple[str | bytes, dict[str, Any], str]] = {
     "tektronix": (TEKTRONIX, {"columns": CH1}, "mV"),
     "tektronix tds": (TDS, {"headings": 0, "columns": {"4": "time", "5": "U"}}, ""),
     "keysight": (KEYSIGHT, {"columns": {"1": "U"}}, "V"),
+    "keysight, its channel in mV": (KEYSIGHT, {"columns": {"1": "U"}, "units": {"1": "mV"}}, "mV"),
     "rigol": (RIGOL, {"columns": CH1}, "V"),
     "lecroy": (LECROY, {"columns": {"Ampl": "U"}}, ""),
     "picoscope": (PICOSCOPE, {"columns": {"Channel A": "U"}}, "V"),
