@@ -13,7 +13,8 @@ import math
 import os
 import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -24,8 +25,27 @@ _SYMBOL = r"[A-Za-zµμΩ%°]+(?:(?:\*\*|\^)?-?[0-9])?"
 _FACTOR = rf"\(?(?:1|{_SYMBOL})\)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:\s*[*/.·]\s*{_FACTOR})*")
 """Products of symbols with one-digit exponents; nothing that a parser would have to compute."""
+_SCALED = re.compile(r"(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:\s+(\S.*))?")
+"""A number of such a product, `0.0174533 rad`; or a number alone."""
 
 OFFSET_UNITS = ("degC", "degF", "celsius", "fahrenheit")
+
+BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+"""Base units of FMI and SSP. The radian is one of them: 1 Hz is not 1 rad/s."""
+_BASES = (*BASES, "bit")
+ANGLE = BASES.index("rad")
+ROUNDED = 1e-5
+"""Largest relative difference of a factor that counts as rounding, where a file declares it."""
+
+PURE = {"", "1", "-", "--", "---", "n/a", "N/A"}
+"""Spellings of the unit of a pure number."""
+_SUPERSCRIPTS = str.maketrans("²³⁴⁻¹", "234-1")
+_WORDS = {
+    *("second", "seconds", "sec", "volt", "volts", "ampere", "amperes", "amp", "amps"),
+    *("newton", "newtons", "metre", "metres", "meter", "meters", "degree", "degrees", "hertz"),
+    *("pascal", "watt", "watts", "ohm", "ohms", "radian", "radians", "minute", "minutes"),
+}
+"""Units that are read whatever their case; symbols are not: `S` is siemens, `s` second."""
 
 
 class Answers:
@@ -85,16 +105,73 @@ def _registry() -> Any:
     return pint.UnitRegistry()
 
 
-@functools.cache
-def parsed(unit: str) -> Any:
-    """FMI unit string as a pint unit; `UnitError` where pint does not know it."""
-    if unit not in {"", "-"} and not (len(unit) <= 60 and _UNIT.fullmatch(unit)):
+@dataclass(frozen=True)
+class Definition:
+    """A unit by base units: exponents of `BASES` and the bit; base = factor * number + offset."""
+
+    powers: tuple[int, ...]
+    factor: float = 1.0
+    offset: float = 0.0
+
+    @classmethod
+    def of(cls, attributes: Mapping[str, str]) -> Definition:
+        """From the attributes of a `BaseUnit` of FMI or SSP; `ValueError` for what is no number."""
+        powers = tuple(int(attributes.get(base, "0")) for base in _BASES)
+        scale, shift = (float(attributes.get(k, d)) for k, d in (("factor", "1"), ("offset", "0")))
+        if not (math.isfinite(scale) and math.isfinite(shift) and scale != 0.0):
+            raise ValueError(f"factor {scale}, offset {shift}")
+        return cls(powers, scale, shift)
+
+    def text(self) -> str:
+        """Text for which `definition` gives this back; with an offset one that it refuses."""
+        over, under = (
+            [
+                f"{base}{'' if abs(power) == 1 else abs(power)}"
+                for base, power in zip(_BASES, self.powers, strict=True)
+                if sign * power > 0
+            ]
+            for sign in (1, -1)
+        )
+        unit = "/".join([".".join(over) or "1", *under])
+        if self.factor != 1.0:
+            unit = repr(self.factor) if unit == "1" else f"{self.factor!r} {unit}"
+        return f"{unit} @ {self.offset!r}" if self.offset else unit
+
+
+def _spelt(unit: str) -> str:
+    """An FMI unit, or one as instruments write it, as pint writes it."""
+    if unit in PURE:
+        return "dimensionless"
+    text = unit.translate(_SUPERSCRIPTS)
+    text = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", "*", text)
+    if not (len(text) <= 60 and _UNIT.fullmatch(text)):
         raise UnitError(f"{printable(unit, most=60)!r} is not a product of units")
-    text = re.sub(r"([A-Za-z])(\d)", r"\1**\2", unit).replace(".", "*").replace("Ohm", "ohm")
+    text = re.sub(r"([A-Za-zµμΩ°%])(-?\d)", r"\1**\2", text)
+    # for pint, Nm is a nautical mile
+    text = re.sub(r"\b([A-Za-zµμ]?N)(m{1,2}(?:\*\*-?\d)?)\b", r"(\1*\2)", text)
+    text = re.sub(r"°(?![CF])", "deg", text.replace("·", "*").replace(".", "*"))
+    text = text.replace("Ohm", "ohm")
+    return re.sub(r"[A-Za-z]+", lambda w: w[0].lower() if w[0].lower() in _WORDS else w[0], text)
+
+
+def _read(unit: str) -> list[Any]:
+    """Exponents, factor and offset of a unit, by pint."""
+    scaled = _SCALED.fullmatch(unit)
+    scale, symbols = (float(scaled[1]), scaled[2] or "") if scaled else (1.0, unit)
+    text = _spelt(symbols)
+    registry = _registry()
     try:
-        return _registry().Unit("dimensionless" if text in {"1", "", "-"} else text)
+        one = registry.Unit(text)
+        zero, base = (registry.Quantity(n, one).to_base_units() for n in (0.0, 1.0))
     except Exception as error:
         raise UnitError(f"unknown unit {unit!r} ({printable(str(error))})") from None
+    powers = dict.fromkeys(_BASES, 0)
+    for name, power in base.unit_items():
+        if name not in _PINT_BASES or power != int(power):
+            raise UnitError(f"{unit!r} has no whole powers of {', '.join(_BASES)}")
+        powers[_PINT_BASES[name]] = int(power)
+    offset = float(zero.magnitude)
+    return [*powers.values(), scale * (float(base.magnitude) - offset), offset]
 
 
 def _asked(question: tuple[str, ...], ask: Callable[[], list[Any]]) -> list[Any]:
@@ -111,38 +188,61 @@ def _asked(question: tuple[str, ...], ask: Callable[[], list[Any]]) -> list[Any]
     return known
 
 
+def definition(unit: str) -> Definition:
+    """What a unit means by its name; `UnitError` where it is not known."""
+    *powers, scale, offset = _asked(("unit", unit), lambda: _read(unit))
+    return Definition(tuple(powers), scale, offset)
+
+
+def declared(name: str, meaning: Definition) -> str:
+    """Text for a unit of a file that declares what its name means.
+
+    The name, where that is read as what is declared, else the base units with their factor:
+    `1/min` declared as 0.10472 rad/s is `0.10472 rad/s`. A declaration that leaves out the radian
+    is taken as the name has it.
+    """
+    try:
+        known = definition(name)
+    except UnitError:
+        return meaning.text()
+    bases = known.powers[:ANGLE] == meaning.powers[:ANGLE]
+    angle = meaning.powers[ANGLE] in (0, known.powers[ANGLE])
+    alike = math.isclose(known.factor, meaning.factor, rel_tol=ROUNDED) and math.isclose(
+        known.offset, meaning.offset, rel_tol=ROUNDED
+    )
+    return name if bases and angle and alike else meaning.text()
+
+
 def check_unit(unit: str) -> None:
     """`UnitError` where a unit is not known."""
-    _asked(("unit", unit), lambda: [str(parsed(unit))])
+    definition(unit)
 
 
 def factor(from_unit: str, to_unit: str) -> float:
     """Factor that converts a number from one unit to the other.
 
-    Raises `UnitError` where the dimensions differ, or where a conversion would need an
-    offset (degrees Celsius): such a wire is ambiguous between value and difference.
+    Raises `UnitError` where the base units differ, the radian included, or where a conversion
+    would need an offset (degrees Celsius): such a wire is ambiguous between value and difference.
     """
     if from_unit == to_unit:
         return 1.0
-    found = _asked(("factor", from_unit, to_unit), lambda: [_factor(from_unit, to_unit)])
-    return float(found[0])
-
-
-def _factor(from_unit: str, to_unit: str) -> float:
-    one, other = parsed(from_unit), parsed(to_unit)
-    registry = _registry()
-    if one.dimensionality != other.dimensionality:
+    one, other = definition(from_unit), definition(to_unit)
+    if one.powers != other.powers:
         raise UnitError(f"{from_unit or '1'} is not convertible to {to_unit or '1'}")
-    zero = registry.Quantity(0.0, one).to(other).magnitude
-    if zero != 0.0:
+    if one.offset or other.offset:
         raise UnitError(f"{from_unit} to {to_unit} needs an offset: state gain and offset")
-    return float(registry.Quantity(1.0, one).to(other).magnitude)
+    return one.factor / other.factor
+
+
+def is_power(unit: str) -> bool:
+    """Whether a unit is one of power, with or without radians: `N.m.rad/s` is."""
+    return definition(unit).powers[:ANGLE] == definition("W").powers[:ANGLE]
 
 
 _NAMED = ("1", "m", "s", "kg", "A", "K", "rad", "Hz", "N", "Pa", "J", "W", "C", "V", "Ohm", "F")
-_BASES = {
+_PINT_BASES = {
     "kilogram": "kg", "meter": "m", "second": "s", "ampere": "A", "kelvin": "K", "mole": "mol",
-    "candela": "cd", "radian": "rad",
+    "candela": "cd", "radian": "rad", "bit": "bit",
 }  # fmt: skip
 
 
@@ -152,31 +252,13 @@ def in_base(unit: str) -> tuple[str, float]:
     `V` and `m/s` stay what they are, `mN` becomes `N`, `g*mm` `kg.m`. Raises `UnitError` for
     what is not a unit, and for degrees Celsius and Fahrenheit.
     """
-    name, size = _asked(("base", unit), lambda: list(_in_base(unit)))
-    return str(name), float(size)
-
-
-def _in_base(unit: str) -> tuple[str, float]:
-    one = parsed(unit)
-    registry = _registry()
-    if registry.Quantity(0.0, one).to_base_units().magnitude != 0.0:
+    one = definition(unit)
+    if one.offset:
         raise UnitError(f"{unit} needs an offset: give kelvin")
-    base = registry.Quantity(1.0, one).to_base_units()
     for name in _NAMED:
-        named = parsed(name)
-        angle = "radian" in str(base.units)
-        if named.dimensionality == one.dimensionality and angle == (name == "rad"):
-            return name, float(registry.Quantity(1.0, one).to(named).magnitude)
-    powers = dict(base.unit_items())
-    over, under = (
-        [
-            f"{_BASES[n]}{'' if abs(p) == 1 else int(abs(p))}"
-            for n, p in powers.items()
-            if sign * p > 0
-        ]
-        for sign in (1, -1)
-    )
-    return "/".join([".".join(over) or "1", *under]), float(base.magnitude)
+        if definition(name).powers == one.powers:
+            return name, one.factor
+    return Definition(one.powers).text(), one.factor
 
 
 def si_value(text: str | float, unit: str) -> float:

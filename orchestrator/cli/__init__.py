@@ -18,6 +18,7 @@ from ..errors import KeptWarning, RenamedWarning, printable
 from . import (
     build,
     calibrate,
+    check,
     compare,
     exchange,
     fit,
@@ -77,6 +78,7 @@ for module in (
     inspect,
     parts,
     results,
+    check,
     plot,
     compare,
     exchange,

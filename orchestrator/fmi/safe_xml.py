@@ -1,4 +1,4 @@
-"""XML of foreign files: no entities, no DOCTYPE, no network, bounded nesting."""
+"""XML of foreign files: no entities, no DOCTYPE, no network, bounded nesting, no comments."""
 
 from __future__ import annotations
 
@@ -15,7 +15,12 @@ def guarded(where: str, text: bytes) -> Any:
     from lxml import etree
 
     parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=False,
+        remove_comments=True,
+        remove_pis=True,
     )
     try:
         root = etree.fromstring(text, parser)

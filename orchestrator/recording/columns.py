@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import Problems, RecordingError, nearest, printable
-from ..units import UnitError, check_unit
+from ..units import PURE, UnitError, check_unit, factor
 from .table import TIME, Column
 
 _WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*")
 _VARIABLE = re.compile(r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?(\.[A-Za-z_]\w*(\[\d+(,\d+)*\])?)*")
-CLOCKS = ("time", "t")
+CLOCKS = ("time", "t", "timestamp")
+SECONDS = ("s", "sec", "secs", "second", "seconds")
+"""Spellings of the unit of time whatever their case: a column of time is not in siemens."""
 EVERY = "*"
 """In place of the name of a component: columns of all, named `component.variable`."""
 
@@ -33,48 +35,80 @@ class Heading:
         found = _WITH_UNIT.fullmatch(words)
         if found is None or re.fullmatch(r"[\d, ]*", found[2]):
             return cls(words, words, "")
-        return cls(words, found[1], found[2])
+        return cls(words, found[1], unit_in(found[2]))
+
+
+def unit_in(cell: str) -> str:
+    """The unit that a cell or a bracket names: `(in mm)` is mm; "" for `-` and `n/a`."""
+    found = re.fullmatch(r"[\[(<{]?\s*(?:in\s+)?(.*?)\s*[\])>}]?", cell.strip())
+    unit = found[1] if found else ""
+    return "" if unit in PURE - {"1"} else unit
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A scenario's choice of columns: their component, their variables, their units."""
+    """A scenario's choice of columns: their component, variables, units, gains and shifts.
+
+    The keys are headings, names without their unit, variables, or places counted from 1. What the
+    scenario gives outranks the file. `interval` [s] is the time between rows that have none.
+    """
 
     component: str = ""
     columns: Mapping[str, str] | None = None
     units: Mapping[str, str] | None = None
+    gains: Mapping[str, float] | None = None
+    shifts: Mapping[str, float] | None = None
+    interval: float = 0.0
 
-    def columns_of(self, path: Path, where: str, headings: list[Heading]) -> list[Column]:
-        """The columns in use, time first; `RecordingError` lists all that is wrong with them."""
+    @property
+    def numbered(self) -> bool:
+        """Whether the columns are chosen by their places alone."""
+        return bool(self.columns) and all(key.isdecimal() for key in self.columns or {})
+
+    def columns_of(
+        self, path: Path, where: str, headings: list[Heading], clocks: tuple[int, ...] = ()
+    ) -> list[Column]:
+        """The columns in use, time first; `RecordingError` lists all that is wrong with them.
+
+        `clocks` are the places of columns of times of day.
+        """
         if self.component and self.component != EVERY:
             headings = _belonging(path, where, headings, self.component)
         problems = Problems(f"{path}: {where}", RecordingError)
         texts = [h.text for h in headings if h.text]
-        for text in sorted({t for t in texts if texts.count(t) > 1}):
+        for text in sorted({t for t in texts if texts.count(t) > 1}) if not self.columns else ():
             problems.add("headings", f"two columns are named {printable(text)!r}")
         taken = self._mapped(headings, problems) if self.columns else _named(headings)
-        if TIME not in taken.values():
-            clocks = [k for k, h in enumerate(headings) if h.name.lower() in CLOCKS]
-            if clocks:
-                taken = {clocks[0]: TIME, **{k: v for k, v in taken.items() if k != clocks[0]}}
-        if TIME not in taken.values():
+        if TIME not in taken.values() and not self.interval:
+            clock = clocks[0] if clocks else _clock(headings)
+            if clock is not None:
+                taken = {clock: TIME, **{k: v for k, v in taken.items() if k != clock}}
+        if self.interval and taken:
+            rows = Column(min(taken), "", TIME, "s")
+            taken = {k: v for k, v in taken.items() if v != TIME}
+        if not self.interval and TIME not in taken.values():
             problems.add(
                 "headings",
                 f"no column of time; name one {TIME!r} or give one under columns;"
                 f" {nearest(TIME, texts)}",
             )
-        elif len(taken) < 2:
+        elif len(taken) < (1 if self.interval else 2):
             problems.add(
                 "headings",
                 "no column has the name of a variable; name the variables under columns, as"
                 f' {{ "F (N)" = "force.value" }}; {nearest("", texts)}',
             )
-        made = [self._column(headings[k], k, name, problems) for k, name in taken.items()]
-        for key in self.units or {}:
-            if not any(key in {c.heading, Heading.of(c.heading).name, c.name} for c in made):
-                hint = nearest(key, [c.heading for c in made])
-                problems.add("units", f"no column {printable(key)!r}; {hint}")
+        for k in clocks:
+            headings[k] = Heading(headings[k].text, headings[k].name, "s")
+        made = [self._column(headings, k, name, problems) for k, name in taken.items()]
+        for table in ("units", "gains", "shifts"):
+            for key in getattr(self, table) or {}:
+                if not any(key in _keys(headings, c.place, c.name) for c in made):
+                    hint = nearest(key, [c.heading for c in made])
+                    problems.add(table, f"no column {printable(key)!r}; {hint}")
         problems.check()
+        if self.interval:
+            return [rows, *made]
         return sorted(made, key=lambda column: column.name != TIME)
 
     def _mapped(self, headings: list[Heading], problems: Problems) -> dict[int, str]:
@@ -84,11 +118,15 @@ class Choice:
                 problems.add("columns", f"{printable(name)!r} is not the name of a variable")
             found = [k for k, h in enumerate(headings) if h.text == key]
             found = found or [k for k, h in enumerate(headings) if h.name == key]
+            if not found and key.isdecimal() and 1 <= int(key) <= len(headings):
+                found = [int(key) - 1]
             if not found:
                 hint = nearest(key, [h.text for h in headings if h.text])
                 problems.add("columns", f"no column {printable(key)!r}; {hint}")
             elif len(found) > 1:
-                problems.add("columns", f"{printable(key)!r} is {len(found)} columns; add the unit")
+                problems.add(
+                    "columns", f"{printable(key)!r} is {len(found)} columns; give its number"
+                )
             elif name in taken.values() or found[0] in taken:
                 problems.add(
                     "columns", f"{printable(key)!r} repeats the column or variable of another entry"
@@ -97,20 +135,43 @@ class Choice:
                 taken[found[0]] = name
         return taken
 
-    def _column(self, heading: Heading, place: int, name: str, problems: Problems) -> Column:
-        """A column with its unit: the file's, else the scenario's."""
-        units = self.units or {}
-        keys = [key for key in (heading.text, heading.name, name) if key in units]
-        given = units[keys[0]] if keys else ""
-        where = f"column {printable(heading.text)!r}"
-        if heading.unit and given and heading.unit != given:
-            problems.add(where, f"is in {printable(heading.unit)}, but under units in {given}")
-        unit = heading.unit or given
+    def _column(self, headings: list[Heading], place: int, name: str, problems: Problems) -> Column:
+        """A column with its unit: the scenario's, else the file's."""
+        heading = headings[place]
+        keys = _keys(headings, place, name)
+        units, gains, shifts = self.units or {}, self.gains or {}, self.shifts or {}
+        unit = next((units[key] for key in keys if key in units), heading.unit)
+        if name == TIME and unit.lower() in SECONDS:
+            unit = "s"
         try:
             check_unit(unit)
         except UnitError as error:
-            problems.add(where, error)
-        return Column(place, heading.text, name, unit)
+            remedy = f'give its unit, as units = {{ "{printable(heading.name)}" = "V" }}'
+            problems.add(f"column {printable(heading.text)!r}", f"{error}; {remedy}")
+        gain = next((gains[key] for key in keys if key in gains), 1.0)
+        shift = next((shifts[key] for key in keys if key in shifts), 0.0)
+        return Column(place, heading.text or str(place + 1), name, unit, gain, shift)
+
+
+def _keys(headings: list[Heading], place: int, name: str) -> list[str]:
+    """What a scenario may call a column; its number where no heading is called so."""
+    number = str(place + 1)
+    if any(number in (heading.text, heading.name) for heading in headings):
+        number = ""
+    return [k for k in (headings[place].text, headings[place].name, name, number) if k]
+
+
+def _clock(headings: list[Heading]) -> int | None:
+    """Place of the column of time: the one called so, else the first one if it is in seconds."""
+    named = [k for k, h in enumerate(headings) if h.name.lower() in CLOCKS]
+    if named:
+        return named[0]
+    try:
+        if headings and headings[0].unit.lower() not in SECONDS:
+            factor(headings[0].unit, "s")
+        return 0 if headings and headings[0].unit else None
+    except UnitError:
+        return None
 
 
 def _named(headings: list[Heading]) -> dict[int, str]:

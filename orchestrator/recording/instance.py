@@ -26,7 +26,11 @@ class RecordingInstance(Instance):
         self._size = 0.0
 
     def prepare(
-        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+        self,
+        start: dict[str, float | str],
+        time: float,
+        stop: float | None,
+        tolerance: float | None,
     ) -> None:
         """Take the time at which the run starts."""
         del start, stop, tolerance

@@ -12,14 +12,14 @@ from ..errors import RecordingError, printable
 from ..units import UnitError, factor
 from .binary_files import read_matlab, read_netcdf, read_parquet
 from .columns import Choice
-from .csv_file import read_csv
+from .csv_file import PLAIN, read_csv
 from .interpolation import fitted
+from .layout import Layout
 from .table import Table, Values
 
+TEXTS = (".csv", ".txt", ".tsv", ".dat", ".asc")
 READERS: dict[str, Callable[[Path, Choice], Table]] = {
-    ".csv": read_csv,
-    ".txt": read_csv,
-    ".tsv": read_csv,
+    **dict.fromkeys(TEXTS, read_csv),
     ".nc": read_netcdf,
     ".mat": read_matlab,
     ".parquet": read_parquet,
@@ -29,19 +29,32 @@ LARGEST = 512 << 20
 ALIKE = 0.01
 EVEN = 0.9
 LONG = 1.5
+OVERFLOW = (9.9e37, 9.91e37)
+"""What instruments of the SCPI standard write for infinity and for no number."""
 """Where nine steps of ten are alike within a hundredth, one that is longer by half is a gap."""
 
 
-def read_table(path: Path, choice: Choice, *, bridge: str = "", most: int = LARGEST) -> Table:
+def read_table(
+    path: Path,
+    choice: Choice,
+    *,
+    layout: Layout = PLAIN,
+    bridge: str = "",
+    most: int = LARGEST,
+) -> Table:
     """Checked table of a file: time in seconds and rising, no value missing.
 
-    `bridge` names the interpolation that fills gaps; without it they are refused. Raises
-    :class:`RecordingError` with file, line and remedy.
+    `layout` is that of a text; `bridge` names the interpolation that fills gaps, without which
+    they are refused. Raises :class:`RecordingError` with file, line and remedy.
     """
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
+    suffix = path.suffix.lower()
+    if suffix not in READERS:
         known = ", ".join(READERS)
         raise RecordingError(f"{path}: no format known for {path.suffix!r}; known are {known}")
+    if layout != PLAIN and suffix not in TEXTS:
+        fields = Layout.__dataclass_fields__
+        given = next(key for key in fields if getattr(layout, key) != getattr(PLAIN, key))
+        raise RecordingError(f"{path}: {given}: means nothing to a {suffix} file, only to a text")
     try:
         if path.is_dir():
             raise RecordingError(f"{path}: is a folder, not a recording")
@@ -53,12 +66,18 @@ def read_table(path: Path, choice: Choice, *, bridge: str = "", most: int = LARG
             )
         if size == 0:
             raise RecordingError(f"{path}: is empty: no headings, no rows")
-        table = reader(path, choice)
+        if suffix in TEXTS:
+            table = read_csv(path, choice, layout)
+        else:
+            table = READERS[suffix](path, choice)
     except OSError as error:
         raise RecordingError(f"{path}: no such recording ({error.strerror or error})") from None
     except ValueError as error:
         raise RecordingError(f"{printable(str(path))}: no such recording ({error})") from None
-    return _whole(_in_order(_in_seconds(table)), bridge)
+    if choice.interval:
+        rows: Values = np.arange(len(table.times), dtype=float)
+        table = replace(table, times=choice.interval * rows)
+    return _scaled(_whole(_in_order(_in_seconds(table)), bridge))
 
 
 def _in_seconds(table: Table) -> Table:
@@ -67,7 +86,17 @@ def _in_seconds(table: Table) -> Table:
         scale = factor(clock.unit or "s", "s")
     except UnitError as error:
         raise RecordingError(f"{table.path}: column {clock.heading!r}: {error}") from None
-    return table if scale == 1.0 else replace(table, times=table.times * scale)
+    if (scale, clock.gain, clock.shift) == (1.0, 1.0, 0.0):
+        return table
+    return replace(table, times=scale * (clock.gain * table.times + clock.shift))
+
+
+def _scaled(table: Table) -> Table:
+    """The values by the gains and shifts of their columns."""
+    gains, shifts = np.array([(c.gain, c.shift) for c in table.columns[1:]]).T
+    if (gains == 1.0).all() and (shifts == 0.0).all():
+        return table
+    return replace(table, values=gains * table.values + shifts)
 
 
 def _in_order(table: Table) -> Table:
@@ -90,6 +119,16 @@ def _in_order(table: Table) -> Table:
 def _whole(table: Table, bridge: str) -> Table:
     """The table without infinite or missing values; `bridge` fills missing ones in."""
     values = table.values
+    over = np.isclose(np.abs(values)[..., None], OVERFLOW, rtol=1e-6, atol=0.0).any(axis=-1)
+    if over.any() and not bridge:
+        k, j = np.argwhere(over)[0]
+        raise RecordingError(
+            f"{table.at(k)}: {_heading(table, j)} has {values[k, j]:.4g}, an instrument's mark for"
+            ' out of range; leave the rows out, or gaps = "bridge" interpolates'
+        )
+    if over.any():
+        values = np.where(over, np.nan, values)
+        table = replace(table, values=values)
     if np.isinf(values).any():
         k, j = np.argwhere(np.isinf(values))[0]
         raise RecordingError(f"{table.at(k)}: {_heading(table, j)} is infinite")

@@ -16,12 +16,14 @@ from ..units import UnitError, factor, si_value
 from . import port_law
 from .columns import Choice
 from .interpolation import Track, Uneven, fitted
+from .layout import Layout
 from .read import LARGEST, read_table
 from .settings import RecordingSettings
 from .table import Table, Values
 
 NEVER = 1e30
 TOOL = "recording"
+FIRST = "first"
 
 
 @dataclass(frozen=True)
@@ -137,13 +139,13 @@ def open_recording(component: RecordingSettings, scenario: Path) -> Recording:
 @functools.lru_cache(maxsize=8)
 def _opened(path: Path, settings: str, stamp: tuple[int, int]) -> Recording:
     component = RecordingSettings.model_validate_json(settings)
-    offset = _quantity("offset", component.offset, "s")
     most = LARGEST if component.memory is None else _quantity("memory", component.memory, "byte")
-    period = 0.0 if isinstance(component.repeat, bool) else _period(component.repeat)
-    choice = Choice(component.component or "", component.columns, component.units)
+    period = 0.0 if isinstance(component.repeat, bool) else _above_zero("repeat", component.repeat)
     bridge = {"band-limited": "cubic"}.get(component.interpolation, component.interpolation)
     bridge = bridge if component.gaps == "bridge" else ""
-    table = _in_si(read_table(path, choice, bridge=bridge, most=int(most)))
+    choice, layout = _choice(component), _layout(component)
+    table = _in_si(read_table(path, choice, layout=layout, bridge=bridge, most=int(most)))
+    offset = _offset(component.offset, table)
     span = float(table.times[-1] - table.times[0])
     if component.repeat is True:
         period = span
@@ -190,6 +192,29 @@ def _opened(path: Path, settings: str, stamp: tuple[int, int]) -> Recording:
     )
 
 
+def _choice(component: RecordingSettings) -> Choice:
+    interval = component.interval
+    return Choice(
+        component=component.component or "",
+        columns=component.columns,
+        units=component.units,
+        gains=component.gains,
+        shifts=component.shifts,
+        interval=0.0 if interval is None else _above_zero("interval", interval),
+    )
+
+
+def _layout(component: RecordingSettings) -> Layout:
+    return Layout(
+        skip=component.skip,
+        headings=component.headings,
+        units_row=component.units_row,
+        names=tuple(component.names),
+        encoding=component.encoding,
+        decimal=component.decimal,
+    )
+
+
 def _quantity(key: str, value: float | str, unit: str) -> float:
     try:
         return si_value(value, unit)
@@ -197,11 +222,18 @@ def _quantity(key: str, value: float | str, unit: str) -> float:
         raise RecordingError(f"{key}: {error}") from None
 
 
-def _period(value: float | str) -> float:
-    period = _quantity("repeat", value, "s")
+def _above_zero(key: str, value: float | str) -> float:
+    period = _quantity(key, value, "s")
     if period <= 0.0:
-        raise RecordingError("repeat: a period has to be above zero")
+        raise RecordingError(f"{key}: a time has to be above zero")
     return period
+
+
+def _offset(value: float | str, table: Table) -> float:
+    """Run's time less the record's [s]; "first" lays the first row on the time 0."""
+    if value == FIRST:
+        return -float(table.times[0])
+    return _quantity("offset", value, "s")
 
 
 def _digest(path: Path, settings: str) -> str:

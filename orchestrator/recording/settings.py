@@ -10,6 +10,7 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Quantity = Number | Annotated[str, Field(strict=True, min_length=1, max_length=200)]
 Text = Annotated[str, Field(strict=True, max_length=2000)]
 Flag = Annotated[bool, Field(strict=True)]
+Line = Annotated[int, Field(strict=True, ge=0, le=1_000)]
 Outside = Literal["hold", "zero", "stop"]
 
 
@@ -23,7 +24,8 @@ class RecordingSettings(Table):
     """The file `data` and how it is read: docs/reference/recordings.md lists the keys.
 
     `memory` limits the size of the file; `before` and `after` set the values outside the record,
-    `repeat` continues it periodically.
+    `repeat` continues it periodically. From `skip` to `decimal` the keys say how a text is laid
+    out, lines counted from 1; `interval` is the time between rows that have none.
     """
 
     data: Text | None = None
@@ -31,6 +33,15 @@ class RecordingSettings(Table):
     component: Text | None = None
     columns: dict[str, Text] = {}
     units: dict[str, Text] = {}
+    gains: dict[str, Number] = {}
+    shifts: dict[str, Number] = {}
+    skip: Line = 0
+    headings: Line | None = None
+    units_row: Line | None = None
+    names: list[Text] = []
+    encoding: Text = ""
+    decimal: Literal["", ".", ","] = ""
+    interval: Quantity | None = None
     interpolation: Literal["held", "linear", "cubic", "band-limited"] = "cubic"
     repeat: Flag | Quantity = False
     offset: Quantity = 0.0

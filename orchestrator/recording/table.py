@@ -14,12 +14,17 @@ TIME = "time"
 
 @dataclass(frozen=True)
 class Column:
-    """A column that is used: its place in the file, heading, variable and unit, "" if not given."""
+    """A column that is used: its place in the file, heading, variable and unit, "" if not given.
+
+    What counts is `gain` times the file's number plus `shift`, in that unit.
+    """
 
     place: int
     heading: str
     name: str
     unit: str
+    gain: float = 1.0
+    shift: float = 0.0
 
 
 @dataclass(frozen=True)

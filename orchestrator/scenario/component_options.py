@@ -20,7 +20,12 @@ def component_of(path: Path, name: str, keys: Mapping[str, str]) -> Component:
     for key, text in keys.items():
         table, dot, heading = key.partition(".")
         if dot:
-            tree.setdefault(table, {})[heading] = text
+            number = _number(text) if table in {"gains", "shifts"} else None
+            tree.setdefault(table, {})[heading] = text if number is None else number
+        elif key in {"skip", "headings", "units_row"} and text.isdecimal():
+            tree[key] = int(text)
+        elif key == "names":
+            tree[key] = [name.strip() for name in text.split(",")]
         else:
             tree[key] = {"true": True, "false": False}.get(text, text)
     try:
@@ -28,3 +33,10 @@ def component_of(path: Path, name: str, keys: Mapping[str, str]) -> Component:
     except ScenarioError as error:
         place = f"{path}: components.{name}."
         raise ScenarioError([p.replace(place, "") for p in error.problems]) from None
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None

@@ -40,7 +40,7 @@ def connections_of(
         try:
             pairs = _pairs(wire, interfaces)
             for source, output, target, input_ in pairs:
-                scale = factor(output.unit, input_.unit) if output.unit and input_.unit else 1.0
+                scale = _scale(output, input_, wire)
                 name = f"{target}.{input_.name}"
                 if name in fed:
                     raise ScenarioError(f"{name} is fed twice, by {fed[name]} too")
@@ -55,6 +55,27 @@ def connections_of(
             problems.add(where, error)
             continue
     return connections
+
+
+def _scale(output: Variable, target: Variable, wire: Wire) -> float:
+    """Factor between the units of both ends; 1 where one end has none.
+
+    Raises `ScenarioError` where a unit would be converted that its FMU does not define: the gain
+    of the wire then has to say it.
+    """
+    if not (output.unit and target.unit) or output.unit == target.unit:
+        return 1.0
+    for variable in (output, target):
+        if not variable.unit_defined:
+            if "gain" in wire.model_fields_set:
+                return 1.0
+            raise ScenarioError(
+                f"{output.name} is in {printable(output.unit)}, {target.name} in"
+                f" {printable(target.unit)}, and the FMU does not define"
+                f" {printable(variable.unit)}; give the wire a gain, gain = 1 to pass the number"
+                " on as it is"
+            )
+    return factor(output.unit, target.unit)
 
 
 def _check_types(output: Variable, target: Variable, wire: Wire) -> None:

@@ -10,19 +10,20 @@ from .schema import Scenario
 
 
 def check_metrics(scenario: Scenario, interfaces: dict[str, Interface], problems: Problems) -> None:
-    """Note each metric that cannot be read, or names an output that does not exist."""
+    """Note each metric that cannot be read, or names a variable that does not exist."""
     units = {
         f"{name}.{variable.name}": variable.unit
         for name, interface in interfaces.items()
-        for variable in interface.of("output")
+        for variable in interface.variables.values()
     }
+    outputs = [f"{c}.{v.name}" for c, i in interfaces.items() for v in i.of("output")]
     for name, text in scenario.metrics.defined.items():
         key = f"metrics.{printable(name)}"
         try:
             expression = expression_of(text)
             for variable in expression.variables:
                 if variable not in units:
-                    hint = nearest(variable, units)
+                    hint = nearest(variable, outputs)
                     raise ValueError(f"no output {printable(variable)!r}; {hint}")
             unit_of(expression, units)
         except (ValueError, UnitError) as error:

@@ -6,7 +6,7 @@ everything that does not fit.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from math import inf
 from pathlib import Path
@@ -30,6 +30,9 @@ from .time_grid import Grid, frequency_of, grid_of, seconds
 
 if TYPE_CHECKING:
     from ..recording.recording import Recording
+
+HARDLY = 0.01
+"""Share of a run in which a recording has to have rows."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     records = _records(scenario, interfaces, problems)
     frequency = frequency_of(scenario, interfaces, starts, problems) or _recorded(recordings)
     grid = grid_of(scenario, frequency, problems)
+    interfaces |= _beside_the_run(scenario, recordings, grid, problems)
     actions = actions_of(scenario, interfaces, held, frequency, problems)
     faults = faults_of(scenario, interfaces, frequency, problems)
     limits = _limits(scenario, problems)
@@ -236,6 +240,37 @@ def _recordings(scenario: Scenario, path: Path, problems: Problems) -> dict[str,
     return found
 
 
+def _beside_the_run(
+    scenario: Scenario, recordings: dict[str, Recording], grid: Grid | None, problems: Problems
+) -> dict[str, Interface]:
+    """Interfaces of recordings that hardly meet the run, with a warning that says so.
+
+    One that gives a single value throughout because its rows lie elsewhere is a problem, unless
+    the scenario says what holds there.
+    """
+    doubtful: dict[str, Interface] = {}
+    for name, recording in recordings.items():
+        if grid is None or recording.track.period:
+            continue
+        given = scenario.components[name].model_fields_set
+        begin, end = recording.begin, recording.end
+        late = begin > grid.stop - HARDLY * (grid.stop - grid.start) and "before" not in given
+        early = end < grid.start + HARDLY * (grid.stop - grid.start) and "after" not in given
+        times = recording.rows + recording.offset
+        met = int(((times >= grid.start) & (times <= grid.stop)).sum())
+        text = (
+            f"its rows are from {begin:.9g} to {end:.9g} s, and {met or 'none'} of {len(times)} in"
+            f' the run from {grid.start:g} to {grid.stop:g} s; offset = "first" lays the first row'
+            ' on the time 0, units = { time = "ms" } gives the unit of its times'
+        )
+        if late or early:
+            problems.add(f"components.{name}.data", text)
+        elif met < 2:
+            interface = recording.interface
+            doubtful[name] = replace(interface, warnings=(*interface.warnings, text))
+    return doubtful
+
+
 def _replays(interfaces: dict[str, Interface]) -> list[str]:
     """Components without inputs: recordings, and FMUs that `build --recording` has made of them."""
     return [n for n, i in interfaces.items() if i.ours and not i.of("input")]
@@ -273,30 +308,49 @@ def _interfaces(
                 problems.add(f"components.{name}.fmu", error)
                 continue
         interfaces[name] = known[file]
+        for warning in interfaces[name].warnings if scenario.strict else ():
+            problems.add(f"components.{name}.fmu", f"{file}: modelDescription.xml: {warning}")
     return interfaces
 
 
 def _records(
     scenario: Scenario, interfaces: dict[str, Interface], problems: Problems
 ) -> list[tuple[str, Variable]]:
-    """Outputs that match a pattern of the record list, in the scenario's order."""
-    patterns = scenario.record.variables
-    outputs = [
-        (name, v)
-        for name, interface in interfaces.items()
-        for v in interface.of("output")
-        if v.numeric
-    ]
-    names = [f"{name}.{v.name}" for name, v in outputs]
-    for index, pattern in enumerate(patterns):
-        if not any(_matches(name, pattern) for name in names):
-            hint = nearest(pattern, names)
+    """Variables that match a pattern of the record list, in the scenario's order."""
+    chosen: set[tuple[str, str]] = set()
+    for index, pattern in enumerate(scenario.record.variables):
+        found = [
+            (component, name)
+            for component, interface in interfaces.items()
+            for name in _matching(component, interface, pattern)
+        ]
+        if not found:
+            outputs = [f"{c}.{v.name}" for c, i in interfaces.items() for v in i.of("output")]
+            hint = nearest(pattern, outputs)
             problems.add(f"record.variables[{index}]", f"no output {printable(pattern)!r}; {hint}")
+        chosen.update(found)
     return [
-        entry
-        for entry, name in zip(outputs, names, strict=True)
-        if any(_matches(name, pattern) for pattern in patterns)
+        (component, variable)
+        for component, interface in interfaces.items()
+        for variable in interface.variables.values()
+        if (component, variable.name) in chosen
     ]
+
+
+RECORDABLE = (("output",), ("local",), ("parameter", "calculatedParameter"))
+"""What a pattern stands for: outputs; where none matches, local variables; then parameters."""
+
+
+def _matching(component: str, interface: Interface, pattern: str) -> list[str]:
+    """Variables of one component that a pattern stands for."""
+    for causalities in RECORDABLE:
+        if found := [
+            v.name
+            for v in interface.of(*causalities)
+            if v.numeric and _matches(f"{component}.{v.name}", pattern)
+        ]:
+            return found
+    return []
 
 
 def _matches(name: str, pattern: str) -> bool:

@@ -47,7 +47,8 @@ class Component(RecordingSettings):
     The start values named in `inherited` are those that a base scenario has for another FMU in this
     place; they are dropped unless all of them fit. `isolate` puts it into a process of its own, or
     keeps it out of one; there `patience` is the time that one call may take, and `memory` what it
-    may allocate. A recording is the file `data` with the keys of docs/reference/recordings.md;
+    may allocate. `stop_time = false` keeps the end of the run from an FMU that would integrate up
+    to it at once. A recording is the file `data` with the keys of docs/reference/recordings.md;
     `memory` is how large it may be.
     """
 
@@ -56,6 +57,7 @@ class Component(RecordingSettings):
     inherited: list[Text] = []
     isolate: Flag | None = None
     patience: Quantity | None = None
+    stop_time: Flag = True
 
     @model_validator(mode="after")
     def _one_source(self) -> Component:
@@ -69,7 +71,7 @@ class Component(RecordingSettings):
             foreign = given & RECORDED
             fault = ": means nothing without data, the file of a recording"
         else:
-            foreign = given & {"start", "isolate", "patience"}
+            foreign = given & {"start", "isolate", "patience", "stop_time"}
             fault = ": means nothing to a recording, which has no parameters and runs in no process"
         if self.repeat is not False and not foreign:
             foreign = given & {"before", "after"}
@@ -171,10 +173,11 @@ class Scenario(Table):
     `of_replaced` are record patterns and metrics that were inherited for another FMU or recording
     than their component has now: they are dropped where that lacks their variables.
     `plot` gives the panels of the plot: label, and patterns of variables, as
-    `amplifier.*.voltage in kV`.
+    `amplifier.*.voltage in kV`. `strict` refuses FMUs with findings that are warnings else.
     """
 
     title: Text = ""
+    strict: Flag = False
     without: list[Text] = []
     of_replaced: list[Text] = []
     time: Time = Time()

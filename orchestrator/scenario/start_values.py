@@ -24,10 +24,10 @@ def starts_of(
     for name, component in scenario.components.items():
         interface, found = interfaces[name], dict[str, float | str]()
         wrong: dict[str, str | UnitError] = {}
-        settable = {v.name: v for v in interface.of("parameter", "input")}
+        settable = {v.name: v for v in interface.variables.values() if v.startable}
         for key, value in component.start.items():
             if key not in settable:
-                wrong[key] = f"no parameter {key!r} in {name}; {_hint(key, interface, settable)}"
+                wrong[key] = f"{_unsettable(key, interface, settable, name)}"
                 continue
             try:
                 found[key] = start_value(settable[key], value)
@@ -59,10 +59,18 @@ def without_misfits(
     return scenario.model_copy(update={"components": components})
 
 
-def _hint(key: str, interface: Interface, settable: Mapping[str, Variable]) -> str:
-    """What a name is that is no parameter, or the nearest that is one."""
+def _unsettable(
+    key: str, interface: Interface, settable: Mapping[str, Variable], component: str
+) -> str:
+    """Why a name is nothing that can be set at the start, with the nearest that is."""
     known = interface.variables.get(key)
-    return f"it is an {known.causality}" if known else nearest(key, settable)
+    if known is None:
+        return f"no parameter {key!r} in {component}; {nearest(key, settable)}"
+    article = "an" if known.causality[0] in "aeiou" else "a"
+    return (
+        f"{article} {known.causality} that is not of initial exact or approx cannot be set at the"
+        " start"
+    )
 
 
 def start_value(variable: Variable, value: float | str | bool) -> float | str:

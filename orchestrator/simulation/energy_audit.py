@@ -19,7 +19,7 @@ from typing import NoReturn
 from ..errors import Divergence
 from ..scenario.connections import Connection
 from ..scenario.plan import Plan
-from ..units import UnitError, factor
+from ..units import UnitError, is_power
 from . import port_laws
 from .coupled_instance import CoupledInstance
 from .system import System
@@ -242,8 +242,8 @@ def _answer(plan: Plan, there: Connection, member: str) -> Connection | None:
         if not (c.output.unit and there.input.unit):
             continue
         try:
-            factor(f"{there.input.unit}.{c.output.unit}", "W")
+            if is_power(f"{there.input.unit}.{c.output.unit}"):
+                return c
         except UnitError:
             continue
-        return c
     return None

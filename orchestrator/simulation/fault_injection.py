@@ -34,7 +34,11 @@ class FaultyInstance(Instance):
         return self._instance.messages
 
     def prepare(
-        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+        self,
+        start: dict[str, float | str],
+        time: float,
+        stop: float | None,
+        tolerance: float | None,
     ) -> None:
         """Pass on, and note the start time."""
         self._time = time

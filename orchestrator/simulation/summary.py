@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import ceil, floor, log10
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,11 @@ from .energy_audit import LIMIT
 if TYPE_CHECKING:
     from rich.table import Table
 
+MOST_FINDINGS = 3
+"""Findings of one FMU that a run shows."""
+LEAST_ROWS = 10
+"""Rows from which outputs that stand still are noticed."""
+
 
 INACCURATE = 0.01
 """Estimated error of a leading variable, by its largest value, from which on a run warns."""
@@ -28,8 +34,6 @@ MEANINGLESS = 0.5
 """The same from which on the numbers of a run say nothing."""
 STILL = 1e-9
 """Travel [m] or [rad] of a leading variable up to which it does not move."""
-FROZEN_ROWS = 10
-"""Rows from which on outputs that no longer change are worth a word."""
 NONE_SEEN = 1e-12
 """The same below which only rounding is left."""
 
@@ -96,20 +100,6 @@ def _still(outcome: Outcome) -> dict[str, float]:
     return found
 
 
-def _frozen(outcome: Outcome) -> Iterator[str]:
-    """Foreign instances whose recorded outputs change once, at the first step."""
-    places: dict[str, list[int]] = {}
-    for k, (component, _) in enumerate(outcome.plan.records):
-        if not outcome.plan.interfaces[component].ours:
-            places.setdefault(component, []).append(k)
-    for component, columns in places.items():
-        rows = outcome.rows[:, columns]
-        if len(rows) < FROZEN_ROWS or outcome.kept > len(rows):
-            continue
-        if (rows[0] != rows[1]).any() and (rows[1:] == rows[1]).all():
-            yield component
-
-
 def _rounded_down(value: float) -> float:
     """The next number below that has two digits."""
     unit = 10.0 ** (floor(log10(value)) - 1)
@@ -156,9 +146,6 @@ def warnings(outcome: Outcome) -> Iterator[RunWarning]:
     for name, travel in _still(outcome).items():
         text = f"does not move ({travel:.1g} peak to peak): is it driven, and do forces cancel?"
         yield RunWarning("still", name, text, travel)
-    for name in _frozen(outcome):
-        text = "its outputs change in the first step and never again: has it run ahead to the end?"
-        yield RunWarning("still", name, text)
     for name, (created, exchanged) in outcome.couplings.items():
         if exchanged and abs(created) > LIMIT * exchanged:
             share = created / exchanged
@@ -183,6 +170,42 @@ def warnings(outcome: Outcome) -> Iterator[RunWarning]:
             said = f": {report.warning}" if report.warning else ", without a text"
             text = f"{report.warned} of its steps came back with a warning{said}"
             yield RunWarning("instance", name, text)
+    yield from _descriptions(outcome)
+    for name in _silent(outcome):
+        text = (
+            "its outputs jump in the first step and never change again; if it integrates up to the"
+            " stop time at once, stop_time = false keeps that from it"
+        )
+        yield RunWarning("fmu", name, text)
+
+
+def _descriptions(outcome: Outcome) -> Iterator[RunWarning]:
+    """What was read past in each FMU: its first findings, and where the others are."""
+    seen: set[Path] = set()
     for name, interface in outcome.plan.interfaces.items():
-        for warning in interface.warnings[:1]:
+        if interface.path in seen:
+            continue
+        seen.add(interface.path)
+        for warning in interface.warnings[:MOST_FINDINGS]:
             yield RunWarning("fmu", name, warning)
+        if (left := len(interface.warnings) - MOST_FINDINGS) > 0:
+            yield RunWarning("fmu", name, f"{left} more: resilin check {interface.path}")
+
+
+def _silent(outcome: Outcome) -> Iterator[str]:
+    """FMUs that know the stop time and whose real outputs change in the first step alone."""
+    rows = outcome.rows
+    if not LEAST_ROWS <= len(rows) == outcome.kept:
+        return
+    plan = outcome.plan
+    for name, component in plan.scenario.components.items():
+        if plan.interfaces[name].ours or not component.stop_time:
+            continue
+        columns = [
+            k
+            for k, (owner, v) in enumerate(plan.records)
+            if owner == name and v.real and v.causality == "output"
+        ]
+        own = rows[:, columns]
+        if (own[0] != own[1]).any() and (own[1:] == own[1]).all():
+            yield name

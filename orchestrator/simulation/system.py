@@ -7,7 +7,7 @@ port is one slice assignment, recording a row one gather, and checking all value
 from __future__ import annotations
 
 import tempfile
-from contextlib import ExitStack
+from contextlib import ExitStack, chdir
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -165,7 +165,13 @@ class System:
         if isolate is None and interface.once:
             alike = [n for n, other in plan.interfaces.items() if other is interface]
             isolate = True if len(alike) > 1 else None
-        return open_instance(name, interface, folders[interface.path], isolate, plan.limits[name])
+        folder, limits = folders[interface.path], plan.limits[name]
+        return open_instance(name, interface, folder, isolate, limits, self._home())
+
+    def _home(self) -> Path:
+        """The scenario's folder, from where FMUs find files that their parameters name."""
+        folder = self.plan.path.resolve().parent
+        return folder if folder.is_dir() else Path.cwd()
 
     def _unpacked(self, path: Path) -> Path:
         try:
@@ -224,13 +230,15 @@ class System:
         self._find_followers()
 
     def _groups(self, name: str) -> list[list[Variable]]:
-        """Outputs of an instance that are read: those that later instances need, then others."""
+        """Variables of an instance that are read: those that later instances need, then others."""
         plan = self.plan
         later = set(plan.order[plan.order.index(name) :])
         leaving = [c for c in plan.connections if c.source == name]
         used = {c.output.name for c in leaving}
-        used |= {variable.name for component, variable in plan.records if component == name}
+        recorded = {v.name: v for component, v in plan.records if component == name}
+        used |= set(recorded)
         outputs = plan.interfaces[name].of("output")
+        outputs += [v for v in recorded.values() if v.causality != "output"]
         used |= {v.name for v in outputs if v.name == EVENT and v.real}
         soon = {c.output.name for c in leaving if c.target in later}
         return [
@@ -247,7 +255,9 @@ class System:
             (n.partition(".")[0] for n in self.names), self.variables, strict=True
         ):
             inputs = variable.depends
-            if inputs is None:
+            if variable.causality != "output":
+                inputs = ()  # recorded as it is: what is looked at never changes a run
+            elif inputs is None:
                 inputs = tuple(v.name for v in plan.interfaces[name].of("input"))
             for key in inputs:
                 if (name, key) in wired:
@@ -272,19 +282,21 @@ class System:
         """Initialisation mode of all instances, with values passed until nothing changes."""
         grid = self.plan.grid
         tolerance = self.plan.scenario.time.tolerance
-        for coupled in self.instances:
-            start = self.plan.starts[coupled.instance.name]
-            coupled.instance.prepare(start, grid.start, grid.stop, tolerance)
-        for coupled in self.instances:
-            coupled.instance.enter_initialisation()
-        for coupled in self.instances:
-            coupled.instance.receive()
-        try:
-            self.residual = make_consistent(self.instances, self.values, self.wired)
-        except InconsistentValues as error:
-            raise InitialisationError(self._inconsistent(error)) from None
-        for coupled in self.instances:
-            coupled.instance.exit_initialisation()
+        with chdir(self._home()):
+            for coupled in self.instances:
+                name = coupled.instance.name
+                stop = grid.stop if self.plan.scenario.components[name].stop_time else None
+                coupled.instance.prepare(self.plan.starts[name], grid.start, stop, tolerance)
+            for coupled in self.instances:
+                coupled.instance.enter_initialisation()
+            for coupled in self.instances:
+                coupled.instance.receive()
+            try:
+                self.residual = make_consistent(self.instances, self.values, self.wired)
+            except InconsistentValues as error:
+                raise InitialisationError(self._inconsistent(error)) from None
+            for coupled in self.instances:
+                coupled.instance.exit_initialisation()
         for coupled in self.instances:
             coupled.follow()
 

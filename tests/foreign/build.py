@@ -115,9 +115,9 @@ def _table(facts: Model, version: int, fault: int) -> str:
 
 def _access(variable: Variable) -> str:
     """When the host may set a variable, by the names of foreign.c."""
-    if variable.causality not in {"input", "parameter"}:
+    if variable.causality not in {"input", "parameter"} and not variable.exact:
         return "NEVER"
-    return "EARLY" if variable.variability == "fixed" else "ALWAYS"
+    return "EARLY" if variable.exact or variable.variability == "fixed" else "ALWAYS"
 
 
 def _in_c(kind: str, start: Start | None) -> str:
@@ -137,7 +137,7 @@ def _literal(value: float | int | bool) -> str:
 
 def _start(variable: Variable, fault: int) -> Start | None:
     """Start value in this build; none where a variable is calculated."""
-    if variable.causality in {"output", "independent"}:
+    if variable.causality in {"output", "local", "independent"} and not variable.exact:
         return None
     return fault if variable.name == "fault" else variable.start
 
@@ -192,7 +192,8 @@ def _common(variable: Variable, reference: int) -> dict[str, str]:
         "variability": variable.variability,
     }
     if variable.causality in {"output", "parameter"}:
-        initial = "calculated" if variable.causality == "output" else "exact"
+        calculated = variable.causality == "output" and not variable.exact
+        initial = "calculated" if calculated else "exact"
         attributes["initial"] = initial
     return attributes
 
@@ -245,7 +246,8 @@ def _description_2(
         if variable.causality == "output":
             known = " ".join(str(facts.reference(name) + 1) for name in variable.follows)
             SubElement(outputs, "Unknown", index=str(place), dependencies=known)
-            SubElement(unknowns, "Unknown", index=str(place))
+            if not variable.exact:
+                SubElement(unknowns, "Unknown", index=str(place))
     return root
 
 
@@ -281,5 +283,7 @@ def _description_3(
         own = str(facts.reference(variable.name))
         SubElement(structure, "Output", valueReference=own, dependencies=known)
     for variable in outputs:
-        SubElement(structure, "InitialUnknown", valueReference=str(facts.reference(variable.name)))
+        if not variable.exact:
+            own = str(facts.reference(variable.name))
+            SubElement(structure, "InitialUnknown", valueReference=own)
     return root

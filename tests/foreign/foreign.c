@@ -1,7 +1,8 @@
 /*
 Small co-simulation FMUs that stand for foreign ones: one model and one version of FMI per library.
 
-  -DMODEL_PAIR | MODEL_MASS | MODEL_POPULATION | MODEL_GAIN | MODEL_TYPES | MODEL_FAULTY
+  -DMODEL_PAIR | MODEL_MASS | MODEL_POPULATION | MODEL_GAIN | MODEL_TYPES | MODEL_DECAY
+  | MODEL_FAULTY
   -DFMI_VERSION=2 | 3
   -DROLLBACK        the state can be taken, set back and freed; else these calls fail
   -DVARIABLE_STEP   steps of any size; else all must have the size of the first
@@ -73,6 +74,8 @@ static const Cell STARTS[COUNT] = {VARIABLES(V)};
 
 typedef struct { /* all that rollback has to restore */
     double time;
+    double stop;     /* of the run, 0 if it was not told */
+    double reached;  /* DECAY: the time up to which it has integrated */
     double x, v;     /* MASS: displacement and velocity; FAULTY: x is the integral of u */
     double growth;   /* FAULTY: what its output has grown by */
     bool ready;      /* initialised */
@@ -235,6 +238,39 @@ static void observe(State *s)
 #endif
     if (!s->ready) /* nothing came before */
         integrate(s, 0.0);
+}
+
+#elif defined MODEL_DECAY
+
+static double first_number(const char *path)
+{
+    double found = 0.0;
+    FILE *file = *path ? fopen(path, "r") : NULL;
+    if (file && fscanf(file, "%lf", &found) != 1)
+        found = 0.0;
+    if (file)
+        fclose(file);
+    return found;
+}
+
+static void observe(State *s)
+{
+    if (!s->ready) {
+        s->x = R(x);
+        R(found) = first_number(s->cells[V_table].String);
+    }
+    R(x) = s->x;
+    R(rate) = -R(k) * s->x;
+}
+
+/* An eager one goes on to the stop time that it was told, and then does nothing more. */
+static void integrate(State *s, double size)
+{
+    const double end = AT(eager, Boolean) && s->stop > 0.0 ? s->stop : s->time + size;
+    const double from = fmax(s->time, s->reached);
+    if (end > from)
+        s->x *= exp(-R(k) * (end - from));
+    s->reached = end;
 }
 
 #elif defined MODEL_FAULTY
@@ -555,9 +591,10 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     return create(name, guid, functions->componentEnvironment, functions->logger);
 }
 
-Status fmi2SetupExperiment(void *instance, Truth, double, double time, Truth, double)
+Status fmi2SetupExperiment(void *instance, Truth, double, double time, Truth told, double stop)
 {
     ((Instance *)instance)->state.time = time;
+    ((Instance *)instance)->state.stop = told ? stop : 0.0;
     return fmi2OK;
 }
 
@@ -630,9 +667,11 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     return NULL;
 }
 
-Status fmi3EnterInitializationMode(void *instance, bool, double, double time, bool, double)
+Status fmi3EnterInitializationMode(void *instance, bool, double, double time, bool told,
+                                   double stop)
 {
     ((Instance *)instance)->state.time = time;
+    ((Instance *)instance)->state.stop = told ? stop : 0.0;
     return fmi3OK;
 }
 

@@ -33,7 +33,10 @@ WHOLE = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable: `kind` is named as in FMI 3, `follows` are the inputs an output depends on."""
+    """One variable: `kind` is named as in FMI 3, `follows` are the inputs an output depends on.
+
+    An output that is `exact` starts with its start value.
+    """
 
     name: str
     kind: str
@@ -48,6 +51,7 @@ class Variable:
     port: str = ""
     order: int = 0
     follows: tuple[str, ...] = ()
+    exact: bool = False
 
 
 @dataclass(frozen=True)
@@ -172,6 +176,16 @@ GAIN = (
     _output("y", "1", "gain u + offset", "u"),
 )
 
+DECAY = (
+    replace(_output("x", "", "What decays: x' = -k x"), start=1.0, exact=True),
+    _parameter("k", "1/s", "Rate of decay", 1.0),
+    replace(_output("rate", "1/s", "-k x"), causality="local"),
+    Variable("eager", "Boolean", "parameter", "Whether it integrates to the stop time at once",
+             start=False, variability="fixed"),
+    Variable("table", "String", "parameter", "A file", start="", variability="fixed"),
+    _output("found", "", "First number in the file"),
+)  # fmt: skip
+
 FAULTY = (
     *GAIN,
     _output("x", "s", "Integral of u over time"),
@@ -239,5 +253,6 @@ MODELS: dict[str, tuple[str, tuple[Variable, ...]]] = {
     "POPULATION": ("Of prey or of its predators: x' = (growth + effect other) x", POPULATION),
     "GAIN": ("y = gain u + offset, at once", GAIN),
     "TYPES": ("Echoes of every type of variable", ()),
+    "DECAY": ("x' = -k x, with a start value, a file and a local variable", DECAY),
     "FAULTY": ("A gain that fails on demand", FAULTY),
 }

@@ -29,7 +29,7 @@ def interface(
     return Interface(
         path=path,
         version=version,
-        model=root.get("modelName"),
+        model=root.get("modelName") or kind.get("modelIdentifier"),
         identifier=kind.get("modelIdentifier"),
         guid=root.get(identity),
         tool=tool,

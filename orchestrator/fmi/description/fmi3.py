@@ -10,50 +10,75 @@ from typing import Any
 
 from ...errors import FmuError, printable
 from .attributes import interface, true
-from .checks import BOUNDED, faults, name_faults
+from .checks import (
+    BOUNDED,
+    CAUSALITIES,
+    Units,
+    bound,
+    bounds,
+    check_choices,
+    check_entry,
+    check_numbers,
+    check_type,
+)
+from .findings import Findings
 from .variable import Interface, Variable
 
 MOST_ELEMENTS = 500_000
 """Limit on the elements of all variables, and on the inputs that all outputs name."""
+TYPED = ({*BOUNDED} - {"Real", "Integer"}) | {"Boolean", "String", "Binary", "Clock"}
 
 
-def check(root: Any, problems: list[str], warnings: list[str]) -> None:
+def check(root: Any, findings: Findings) -> None:
     """Check names, references, start values, bounds, units and dimensions of all variables."""
-    units = {unit.get("name") for unit in root.findall("UnitDefinitions/Unit")}
-    types = {entry.get("name") for entry in root.findall("TypeDefinitions/*")}
+    units = Units(root)
+    for unit, fault in units.faults:
+        findings.warn(unit.sourceline, fault, "base units")
+    types = {entry.get("name"): entry for entry in root.findall("TypeDefinitions/*")}
+    for name, entry in types.items():
+        check_choices(entry, findings)
+        units.check(entry, f"type '{printable(name or '')}'", findings)
     names: set[str] = set()
-    variables = list(root.find("ModelVariables"))
+    variables = root.findall("ModelVariables/*")
     references: dict[str, str] = {}
     for entry in variables:
-        name = entry.get("name") or ""
-        where = f"line {entry.sourceline}: variable '{printable(name)}'"
-        problems.extend(f"{where} {fault}" for fault in name_faults(name, names))
-        other = references.setdefault(entry.get("valueReference") or "", name)
-        if other != name:
-            problems.append(f"{where} has the value reference of '{printable(other)}'")
-        problems.extend(f"{where} {fault}" for fault in faults(entry, units))
-        declared = entry.get("declaredType")
-        if declared is not None and declared not in types:
-            problems.append(f"{where} has type '{printable(declared)}', which is not defined")
+        shown = check_entry(entry, names, (*CAUSALITIES, "structuralParameter"), findings)
+        if entry.tag not in TYPED:
+            findings.refuse(entry, f"{shown} is of no type of FMI 3: {printable(entry.tag)}")
+            continue
+        other = references.setdefault(entry.get("valueReference") or "", shown)
+        if other != shown:
+            findings.refuse(entry, f"{shown} has the value reference of {other}")
+        check_numbers(entry, entry, shown, findings)
+        check_type(entry, types, units, shown, findings)
     by_reference = {entry.get("valueReference"): entry for entry in variables}
     for entry in variables:
         for dimension in entry.findall("Dimension"):
-            if not _size(dimension, by_reference).isdecimal():
-                where = f"line {dimension.sourceline}"
-                problems.append(f"{where}: the dimension has no size, nor a variable that gives it")
-    for unknown in root.find("ModelStructure"):
+            size = _size(dimension, by_reference)
+            if not (size.isascii() and size.isdecimal()):
+                findings.refuse(
+                    dimension, "the dimension has no size, nor a variable that gives it"
+                )
+    for unknown, reference in _misplaced(root):
+        fault = f"ModelStructure names no variable '{reference}'; what depends on what is not read"
+        findings.warn(unknown.sourceline, fault, "structure")
+
+
+def _misplaced(root: Any) -> Iterator[tuple[Any, str]]:
+    """Entries of the structure, each with what it names that is not a variable's reference."""
+    known = {entry.get("valueReference") for entry in root.findall("ModelVariables/*")}
+    for unknown in root.findall("ModelStructure/*"):
         listed = [unknown.get("valueReference"), *(unknown.get("dependencies") or "").split()]
         for reference in listed:
-            if reference not in references:
-                where = f"line {unknown.sourceline}"
-                shown = printable(str(reference), most=20)
-                problems.append(f"{where}: ModelStructure names no variable '{shown}'")
+            if reference not in known:
+                yield unknown, printable(str(reference), most=20)
 
 
 def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
     """Interface from the tree; every array as its elements."""
     types = {entry.get("name"): entry for entry in root.findall("TypeDefinitions/*")}
-    entries = [entry for entry in root.find("ModelVariables") if entry.tag != "Clock"]
+    units = Units(root)
+    entries = [entry for entry in root.findall("ModelVariables/*") if entry.tag != "Clock"]
     by_reference = {entry.get("valueReference"): entry for entry in entries}
     count = sum(math.prod(_shape(entry, by_reference)) for entry in entries)
     if count > MOST_ELEMENTS:
@@ -61,7 +86,7 @@ def reduced(path: Path, root: Any, warnings: tuple[str, ...]) -> Interface:
     depends = _dependencies(root, by_reference)
     variables: dict[str, Variable] = {}
     for entry in entries:
-        for variable in _elements(entry, types, by_reference, depends):
+        for variable in _elements(entry, types, units, by_reference, depends):
             variables[variable.name] = variable
     return interface(path, root, 3, variables, warnings)
 
@@ -88,7 +113,8 @@ def _dependencies(root: Any, by_reference: dict[str, Any]) -> dict[str, tuple[st
     }
     depends: dict[str, tuple[str, ...] | None] = {}
     left = MOST_ELEMENTS
-    for output in root.findall("ModelStructure/Output"):
+    sound = next(_misplaced(root), None) is None
+    for output in root.findall("ModelStructure/Output") if sound else ():
         listed = output.get("dependencies")
         found = [inputs[r] for r in (listed or "").split() if r in inputs]
         left -= sum(len(names) for names in found)
@@ -112,6 +138,7 @@ def _names(entry: Any, by_reference: dict[str, Any]) -> Iterator[str]:
 def _elements(
     entry: Any,
     types: dict[str, Any],
+    units: Units,
     by_reference: dict[str, Any],
     depends: dict[str, tuple[str, ...] | None],
 ) -> Iterator[Variable]:
@@ -125,7 +152,8 @@ def _elements(
 
     names = list(_names(entry, by_reference))
     starts = _starts(entry, kind, len(names))
-    least, most = (attribute(key) if kind in BOUNDED else None for key in ("min", "max"))
+    numeric = kind in BOUNDED
+    least, most = bounds(attribute("min"), attribute("max")) if numeric else (None, None)
     items = behind.findall("Item") if kind == "Enumeration" and behind is not None else []
     reference = entry.get("valueReference")
     usual = "continuous" if kind.startswith("Float") else "discrete"
@@ -136,11 +164,11 @@ def _elements(
             reference=int(reference),
             kind=kind,
             causality=causality,
-            unit=attribute("unit") or "",
+            unit=units.text(attribute("unit")),
             description=entry.get("description") or "",
             start=starts[element],
-            least=None if least is None else float(least),
-            most=None if most is None else float(most),
+            least=least,
+            most=most,
             port=entry.get("name") if len(names) > 1 else name.rpartition(".")[0],
             choices=tuple(item.get("name") for item in items),
             codes=tuple(int(item.get("value")) for item in items),
@@ -148,6 +176,8 @@ def _elements(
             variability=entry.get("variability") or usual,
             element=element,
             extent=len(names),
+            initial=entry.get("initial") or "",
+            unit_defined=units.defines(attribute("unit")),
         )
 
 
@@ -157,7 +187,7 @@ def _starts(entry: Any, kind: str, count: int) -> list[float | str | None]:
         given: list[Any] = [start.get("value") for start in entry.findall("Start")]
     else:
         words = (entry.get("start") or "").split()
-        given = [float(true(w)) if kind == "Boolean" else float(w) for w in words]
+        given = [float(true(w)) if kind == "Boolean" else bound(w) for w in words]
     if len(given) == 1:
         return given * count
     return given if len(given) == count else [None] * count

@@ -1,13 +1,12 @@
 """Reading a model description with care.
 
-The XML is parsed once, guarded (no DOCTYPE, bounded depth), validated against the schema of
-FMI that fmpy contains, checked for what the schema does not cover, and reduced to the few facts
-that wiring and running need.
+The XML is parsed once, guarded (no DOCTYPE, bounded depth), compared with the schema of
+FMI that fmpy contains, checked for what names, references and types depend on, and reduced to the
+few facts that wiring and running need.
 """
 
 from __future__ import annotations
 
-import functools
 import re
 from pathlib import Path
 from types import ModuleType
@@ -17,61 +16,44 @@ from ...errors import FmuError, printable
 from ..archive import read_description
 from ..safe_xml import guarded
 from . import fmi2, fmi3
+from .attributes import NAMES
+from .findings import Findings
+from .schema import against_schema
 from .variable import Interface
 
-IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,200}")
-MOST_LINED = 5000
+IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+FILE_NAME = re.compile(r"""[^\s./\\:*?"<>|][^/\\:*?"<>|]{0,200}""")
 VERSIONS: dict[str, ModuleType] = {"2.0": fmi2, "3.0": fmi3}
 
 
 def read_interface(path: Path) -> Interface:
     """Interface of an FMU file; `FmuError` with file, line and cause where it cannot be used."""
-    text = read_description(path)
-    root = guarded(f"{path}: modelDescription.xml", text)
-    version = _version(path, root)
-    _check_kind(path, root)
-    problems = _against_schema(root, text, version)
-    warnings: list[str] = []
-    if not problems:
-        VERSIONS[version].check(root, problems, warnings)
-    if problems:
-        more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-        raise FmuError(f"{path}: modelDescription.xml: {problems[0]}{more}")
-    interface: Interface = VERSIONS[version].reduced(path, root, tuple(warnings))
+    interface, findings = examined(path)
+    if interface is None:
+        count = len(findings.errors)
+        more = f" (and {count - 1} more; resilin check lists all)" if count > 1 else ""
+        raise FmuError(f"{path}: modelDescription.xml: {findings.errors[0]}{more}")
     return interface
 
 
-@functools.cache
-def _schema(version: str) -> Any:
-    """The schema of an FMI version that comes with fmpy."""
-    import fmpy
-    from lxml import etree
+def examined(path: Path) -> tuple[Interface | None, Findings]:
+    """Interface of an FMU file, None where an error refuses it, and everything found in it.
 
-    folder = Path(fmpy.__file__).parent / "schema"
-    names = {"2.0": "fmi2/fmi2ModelDescription.xsd", "3.0": "fmi3/fmi3ModelDescription.xsd"}
-    return etree.XMLSchema(file=str(folder / names[version]))
-
-
-def _against_schema(root: Any, text: bytes, version: str) -> list[str]:
-    """Violations of the schema, with lines where the document is of a usual size.
-
-    Collecting all faults takes quadratic time in their number; a parser that validates
-    stops at the first, but does not give its line.
+    Raises `FmuError` for what is not a description of a co-simulation FMU at all.
     """
-    from lxml import etree
-
-    variables = root.find("ModelVariables")
-    if variables is not None and len(variables) > MOST_LINED:
-        parser = etree.XMLParser(schema=_schema(version), resolve_entities=False, no_network=True)
-        try:
-            etree.fromstring(text, parser)
-        except etree.XMLSyntaxError as error:
-            return [f"line unknown: {printable(str(error))}"]
-        return []
-    schema = _schema(version)
-    if schema.validate(root):
-        return []
-    return [f"line {e.line}: {printable(e.message)}" for e in schema.error_log]
+    text = read_description(path)
+    root = guarded(f"{path}: modelDescription.xml", text)
+    version = _version(path, root)
+    findings = Findings()
+    _check_kind(path, root, findings)
+    against_schema(root, text, version, findings)
+    if not root.get(NAMES[int(version[0])][0]):
+        findings.refuse(root, f"has no {NAMES[int(version[0])][0]}")
+    VERSIONS[version].check(root, findings)
+    if findings.errors:
+        return None, findings
+    interface: Interface = VERSIONS[version].reduced(path, root, findings.warnings)
+    return interface, findings
 
 
 def _version(path: Path, root: Any) -> str:
@@ -88,11 +70,17 @@ def _version(path: Path, root: Any) -> str:
     return known
 
 
-def _check_kind(path: Path, root: Any) -> None:
-    """Refuse an FMU that is not for co-simulation, or whose identifier is not a C identifier."""
+def _check_kind(path: Path, root: Any, findings: Findings) -> None:
+    """Refuse an FMU that is not for co-simulation, or whose identifier could leave its folder."""
     kind = root.find("CoSimulation")
     if kind is None:
         raise FmuError(f"{path}: not a co-simulation FMU; export it for co-simulation")
     identifier = kind.get("modelIdentifier") or ""
+    shown = printable(identifier)
+    if not FILE_NAME.fullmatch(identifier) or shown != identifier:
+        raise FmuError(f"{path}: modelIdentifier '{shown}' is not the name of a library")
     if not IDENTIFIER.fullmatch(identifier):
-        raise FmuError(f"{path}: modelIdentifier '{printable(identifier)}' is not a C identifier")
+        findings.warn(
+            kind.sourceline,
+            f"modelIdentifier '{shown}' is not a C identifier; taken as the name of the library",
+        )

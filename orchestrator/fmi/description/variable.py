@@ -16,13 +16,25 @@ EXACT = 2**53 - 1
 """Whole numbers up to here pass without loss: no other one rounds to the same double."""
 
 
+def may_start(causality: str | None, variability: str | None, initial: str | None) -> bool:
+    """Whether a variable with these attributes may be set before initialisation.
+
+    Parameters and inputs, and of the others those whose `initial` is exact or approx, but no
+    constants; structural parameters change the shape of others, which no instance here allows.
+    """
+    if causality in {"structuralParameter", "independent"} or variability == "constant":
+        return False
+    return causality in {"parameter", "input"} or initial in {"exact", "approx"}
+
+
 @dataclass(frozen=True)
 class Variable:
     """One scalar variable of an FMU, or one element of an array.
 
     Arrays (FMI 3) appear as their elements, named `x[1]`, `x[2,3]`; `element` counts them from 0
     in the order in which they are passed, `extent` is their number under the reference.
-    `codes` are the numbers of an enumeration's `choices`.
+    `codes` are the numbers of an enumeration's `choices`. `unit` is a text that
+    `orchestrator.units` reads as the file defines it, or a name that the file does not define.
     """
 
     name: str
@@ -42,6 +54,8 @@ class Variable:
     variability: str = "continuous"
     element: int = 0
     extent: int = 1
+    initial: str = ""
+    unit_defined: bool = True
 
     @property
     def member(self) -> str:
@@ -62,6 +76,11 @@ class Variable:
     def tunable(self) -> bool:
         """Whether it may be set while the instance runs."""
         return self.causality == "input" or self.variability == "tunable"
+
+    @property
+    def startable(self) -> bool:
+        """Whether it may be set before initialisation."""
+        return may_start(self.causality, self.variability, self.initial)
 
     def span(self) -> tuple[float, float] | None:
         """Least and greatest whole number that its type and a double hold; None if not whole."""

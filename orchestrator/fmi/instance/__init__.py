@@ -19,16 +19,18 @@ def open_instance(
     folder: Path,
     isolate: bool | None = None,
     limits: Limits = USUAL,
+    working: Path | None = None,
 ) -> Instance:
     """Instance of the FMU unpacked in `folder`; a foreign one runs in a process of its own.
 
-    `isolate` overrides that. Raises `FmuError` where the FMU has no library for this platform,
-    `InstanceFailure` where it cannot be instantiated.
+    `isolate` overrides that; such a process works in the folder `working`, by default the FMU's,
+    from where names of files in parameters count. Raises `FmuError` where the FMU has no library
+    for this platform, `InstanceFailure` where it cannot be instantiated.
     """
     if isolate if isolate is not None else not interface.ours:
         from .isolated import IsolatedInstance
 
-        return IsolatedInstance(name, interface, folder, limits)
+        return IsolatedInstance(name, interface, folder, limits, working)
     return in_process(name, interface, folder)
 
 

@@ -57,9 +57,16 @@ class Instance(ABC):
 
     @abstractmethod
     def prepare(
-        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+        self,
+        start: dict[str, float | str],
+        time: float,
+        stop: float | None,
+        tolerance: float | None,
     ) -> None:
-        """Set parameters and start values by name, and announce the experiment."""
+        """Set parameters and start values by name, and announce the experiment.
+
+        `stop` is None where its end is not to be announced.
+        """
 
     @abstractmethod
     def connect(

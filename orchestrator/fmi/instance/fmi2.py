@@ -57,10 +57,15 @@ class Fmi2Instance(InProcessInstance):
         )
 
     def prepare(
-        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+        self,
+        start: dict[str, float | str],
+        time: float,
+        stop: float | None,
+        tolerance: float | None,
     ) -> None:
         setup = self._function("fmi2SetupExperiment", POINTER, FLAG, DOUBLE, DOUBLE, FLAG, DOUBLE)
-        self._call(setup, int(tolerance is not None), tolerance or 0.0, time, 1, stop)
+        accuracy = (int(tolerance is not None), tolerance or 0.0)
+        self._call(setup, *accuracy, time, int(stop is not None), stop or 0.0)
         self._now = time
         self._set_starts(start)
 

@@ -64,7 +64,11 @@ class Fmi3Instance(InProcessInstance):
         )
 
     def prepare(
-        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+        self,
+        start: dict[str, float | str],
+        time: float,
+        stop: float | None,
+        tolerance: float | None,
     ) -> None:
         self._set_starts(start)
         self._span = (tolerance, time, stop)
@@ -75,7 +79,8 @@ class Fmi3Instance(InProcessInstance):
         enter = self._function(
             "fmi3EnterInitializationMode", POINTER, FLAG, DOUBLE, DOUBLE, FLAG, DOUBLE
         )
-        self._call(enter, tolerance is not None, tolerance or 0.0, time, True, stop)
+        accuracy = (tolerance is not None, tolerance or 0.0)
+        self._call(enter, *accuracy, time, stop is not None, stop or 0.0)
 
     def exit_initialisation(self) -> None:
         self._call(self._function("fmi3ExitInitializationMode", POINTER))

@@ -35,7 +35,14 @@ class IsolatedInstance(Instance):
     ended, and while an answer is outstanding.
     """
 
-    def __init__(self, name: str, interface: Interface, folder: Path, limits: Limits) -> None:
+    def __init__(
+        self,
+        name: str,
+        interface: Interface,
+        folder: Path,
+        limits: Limits,
+        working: Path | None = None,
+    ) -> None:
         super().__init__(name, interface)
         self._limits = limits
         self._inputs: Values = np.zeros(0)
@@ -45,7 +52,7 @@ class IsolatedInstance(Instance):
         self._lost = False
         self._reason = f"{name}: its process has been given up"
         try:
-            self._process = _started(folder)
+            self._process = _started(working or folder)
         except OSError as error:
             reason = f"its process cannot be started ({error.strerror})"
             raise InstanceFailure(f"{name}: {reason}") from None
@@ -108,7 +115,11 @@ class IsolatedInstance(Instance):
         return f"{end}; its last output: {line}" if line else end
 
     def prepare(
-        self, start: dict[str, float | str], time: float, stop: float, tolerance: float | None
+        self,
+        start: dict[str, float | str],
+        time: float,
+        stop: float | None,
+        tolerance: float | None,
     ) -> None:
         self._ask(b"p", [start, time, stop, tolerance], "setting start values")
 

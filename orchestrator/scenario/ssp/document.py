@@ -13,6 +13,7 @@ from typing import Any
 
 from ...errors import Problems, ScenarioError, printable
 from .names import FMU, MAPPING, PARAMETERS, local, tag
+from .units import declared_units
 
 Fetch = Callable[[str], Any]
 """Root element of another file of the archive, by its address relative to the description."""
@@ -82,6 +83,7 @@ class Reader:
         self.where = where
         self.problems = Problems(where)
         self._fetch = fetch
+        self._units: dict[str, str] = {}
 
     def document(self, root: Any) -> Document:
         """The description; `ScenarioError` with everything that cannot be taken over."""
@@ -95,6 +97,7 @@ class Reader:
         system = root.find(tag("ssd:System"))
         if system is None:
             raise ScenarioError(f"{self.where}: describes no system")
+        self._units = declared_units(root.find(tag("ssd:Units")))
         found = self.system(system)
         start, stop = self._experiment(root.find(tag("ssd:DefaultExperiment")))
         listed = root.find(tag("ssd:Annotations"))
@@ -256,6 +259,7 @@ class Reader:
                 f"line {root.sourceline}", f"{printable(local(root))} is not a parameter set"
             )
             return
+        units = {**self._units, **declared_units(root.find(tag("ssv:Units")))}
         for each in self._children(root, "ssv:Parameters"):
             typed = next((t for t in each if local(t) not in {"", "Annotations"}), None)
             name = str(each.get("name"))
@@ -272,4 +276,5 @@ class Reader:
                         f"line {typed.sourceline}",
                         f"{printable(name)} is an array; set its elements",
                     )
-            yield Value(name, value, kind, typed.get("unit") or "")
+            unit = typed.get("unit") or ""
+            yield Value(name, value, kind, units.get(unit, unit))

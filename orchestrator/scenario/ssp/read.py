@@ -219,7 +219,11 @@ def _starts(
     owner: str, interface: Interface, values: dict[str, Value], problems: Problems
 ) -> dict[str, float | str | bool]:
     """Start values as the FMU takes them: in its units, choices by name."""
-    settable = {v.name: v for v in interface.of("parameter", "input", "structuralParameter")}
+    settable = {
+        v.name: v
+        for v in interface.variables.values()
+        if v.startable or v.causality == "structuralParameter"
+    }
     starts: dict[str, float | str | bool] = {}
     for name, value in values.items():
         where = f"parameter {printable(f'{owner}.{name}')}"
@@ -274,7 +278,8 @@ def _wire(
         ends.append((f"{titles[path]}.{name}", variable))
     (source, output), (target, input_) = ends
     gain = joint.gain
-    if not joint.converts and output.unit and input_.unit:
+    defined = output.unit_defined and input_.unit_defined
+    if not joint.converts and defined and output.unit and input_.unit:
         try:
             gain /= factor(output.unit, input_.unit)
         except UnitError:
@@ -282,7 +287,8 @@ def _wire(
                 f"{printable(source)} [{output.unit}] -> {printable(target)} [{input_.unit}]",
                 "units of another kind cannot be connected, converted or not",
             )
-    return {"from": source, "to": target, "gain": gain, "offset": joint.offset}
+    scaled = {} if joint.converts and gain == 1.0 else {"gain": gain}
+    return {"from": source, "to": target, **scaled, "offset": joint.offset}
 
 
 def _held(

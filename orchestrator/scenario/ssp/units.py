@@ -1,14 +1,33 @@
-"""Units as SSP defines them: base units, exponents and a factor."""
+"""Units as SSP defines them: base units, exponents, a factor and an offset."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
-from ...units import UnitError, factor
+from ...units import BASES, Definition, UnitError, check_unit, declared, definition
 from .names import tag
 
-BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+def declared_units(listed: Any) -> dict[str, str]:
+    """Text of each unit that a list of units defines, as `orchestrator.units` reads it.
+
+    A unit without exponents whose name is not known is left out: such are written for units
+    of which only the name is known.
+    """
+    found: dict[str, str] = {}
+    for unit in [] if listed is None else listed.findall(tag("ssc:Unit")):
+        name, base = unit.get("name") or "", unit.find(tag("ssc:BaseUnit"))
+        if base is None:
+            continue
+        try:
+            meaning = Definition.of(base.attrib)
+            if meaning == definition("1"):
+                check_unit(name)
+            found[name] = declared(name, meaning)
+        except ValueError:
+            continue
+    return found
 
 
 def _units(root: Element, names: set[str]) -> None:
@@ -17,7 +36,7 @@ def _units(root: Element, names: set[str]) -> None:
 
 
 def _defined(listed: Element, names: set[str]) -> None:
-    """Define units by base units; one that pint does not know is a pure number."""
+    """Define units by base units; one that is not known has none."""
     for name in sorted(names):
         unit = SubElement(listed, tag("ssc:Unit"), name=name)
         base = SubElement(unit, tag("ssc:BaseUnit"))
@@ -26,24 +45,13 @@ def _defined(listed: Element, names: set[str]) -> None:
 
 
 def _powers(name: str) -> dict[str, str]:
-    from ...units import parsed
-
     try:
-        dimensions = dict(parsed(name).dimensionality)
-        scale = factor(name, "*".join(f"{b}^{int(p)}" for b, p in _bases(dimensions)) or "1")
-    except (UnitError, ValueError):
+        meaning = definition(name)
+    except UnitError:
         return {}
-    powers = {b: str(int(p)) for b, p in _bases(dimensions)}
-    if name in {"rad", "rad/s"}:
-        powers["rad"] = "1"
-    return powers if scale == 1.0 else {**powers, "factor": repr(scale)}
-
-
-DIMENSIONS = {
-    "[mass]": "kg", "[length]": "m", "[time]": "s", "[current]": "A", "[temperature]": "K",
-    "[substance]": "mol", "[luminosity]": "cd",
-}  # fmt: skip
-
-
-def _bases(dimensions: Mapping[str, float]) -> list[tuple[str, float]]:
-    return [(DIMENSIONS[d], p) for d, p in dimensions.items() if p == int(p)]
+    powers = {b: str(p) for b, p in zip(BASES, meaning.powers, strict=False) if p}
+    if meaning.factor != 1.0:
+        powers["factor"] = repr(meaning.factor)
+    if meaning.offset:
+        powers["offset"] = repr(meaning.offset)
+    return powers

@@ -206,7 +206,8 @@ def _used(package: Package) -> list[tuple[str, Variable]]:
         component, _, name = key.partition(".")
         found[component, name] = _variable(plan, key)
     for component, variable in plan.records:
-        found[component, variable.name] = variable
+        if variable.causality == "output":
+            found[component, variable.name] = variable
     return [(component, variable) for (component, _), variable in found.items()]
 
 

@@ -23,6 +23,7 @@ from orchestrator.scenario.schema import Component
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import MASTERS
 from orchestrator.simulation.run import run
+from orchestrator.simulation.summary import warnings
 from orchestrator.simulation.system import System
 from tests.conftest import Runner
 from tests.processes import python
@@ -158,6 +159,38 @@ def test_before_the_record_the_run_does_not_start(library: Path, tmp_path: Path)
     done = run(load(path, None, library))
     velocity = done.series("payload.velocity")[-1]
     assert velocity == pytest.approx(0.1 - 0.0203, rel=1e-12), "the step is cut where it begins"
+
+
+EPOCH = "".join(f"{1.7e9 + 1e-3 * k!r},{k % 7}\n" for k in range(101))
+
+
+def test_a_record_beside_the_run_is_refused_with_the_remedy(library: Path, tmp_path: Path) -> None:
+    path = scenario(tmp_path, "time,force.value\n" + EPOCH)
+    with pytest.raises(ScenarioError, match=r'none of 101 in the run .* offset = "first"'):
+        load(path, None, library)
+    path = scenario(tmp_path, "time,force.value\n" + EPOCH, 'offset = "first"')
+    assert load(path, None, library).recordings["bench"].begin == 0.0
+    path = scenario(tmp_path, "time,force.value\n" + EPOCH, 'before = "hold"')
+    assert run(load(path, None, library)).failure is None
+
+
+def test_a_run_that_meets_one_row_is_noted(library: Path, tmp_path: Path) -> None:
+    path = scenario(tmp_path, "time,force.value\n0,0\n50,1\n100,2\n", 'interpolation = "linear"')
+    found = [str(w) for w in warnings(run(load(path, None, library)))]
+    assert any("1 of 3 in the run" in text and "ms" in text for text in found), found
+
+
+def test_texts_in_a_scenario(library: Path, tmp_path: Path) -> None:
+    """The keys of a layout, a gain with a sign and a shift, as a port receives them."""
+    keys = (
+        'skip = 1\nnames = ["time [ms]", "load cell [mN]"]\ndecimal = ","\noffset = "first"\n'
+        'columns = { "load cell" = "force.value" }\ngains = { "load cell" = -2 }\n'
+        "shifts = { 2 = 500 }"
+    )
+    text = "exported by a logger;1\n1000;0\n1050;-250,0\n1100;-500,0\n"
+    recording = load(scenario(tmp_path, text, keys), None, library).recordings["bench"]
+    assert recording.outputs(0.1, 0.0)[0] == pytest.approx(1.5)
+    assert recording.begin == 0.0
 
 
 def test_a_saved_state_is_restored(tmp_path: Path) -> None:

@@ -171,5 +171,5 @@ def test_outputs_that_freeze_are_said(
     frozen[0] = oscillator.rows[0] - 1.0
     foreign = {n: replace(i, ours=False) for n, i in oscillator.plan.interfaces.items()}
     done = replace(oscillator, rows=frozen, plan=replace(oscillator.plan, interfaces=foreign))
-    found = {w.place for w in warnings(done) if "never again" in w.text}
+    found = {w.place for w in warnings(done) if "never change again" in w.text}
     assert found == {"amplifier", "spring", "payload"}

@@ -137,12 +137,8 @@ def test_30000_bad_variables_are_refused(description: str, tmp_path: Path) -> No
         "a\\b",
         "/bin/sh",
         "C:x",
-        "a b",
-        "a;b",
-        "1a",
         "",
         "a" * 300,
-        "ä",
         "a&#10;",
     ],
 )
@@ -189,20 +185,9 @@ def test_model_exchange_alone_is_refused(description: str, tmp_path: Path) -> No
         (MASS, 'name="mass" valueReference="99999999999"', ["99999999999", "line "]),
         ('causality="parameter"', 'causality="boss"', ["'boss'", "line "]),
         ('variability="fixed"', 'variability="sometimes"', ["'sometimes'", "line "]),
-        ('<Unknown index="14"', '<Unknown index="99"', ["ModelStructure", "'99'", "line "]),
-        ('<Unknown index="14"', '<Unknown index="0"', ["ModelStructure", "'0'", "line "]),
-        ('<Unknown index="14"', '<Unknown index="-1"', ["index", "'-1'", "line "]),
-        ('<Unknown index="14"', '<Unknown index="\u00b2"', ["index", "line "]),
-        ('<Unknown index="14"', '<Unknown index="\u202e"', ["index", "line "]),
-        ('<Unknown index="14"', '<Unknown index=""', ["index", "line "]),
-        ('<Unknown index="14"', "<Unknown", ["index", "line "]),
-        ('<Unknown index="14"', f'<Unknown index="{"9" * 5000}"', ["index", "line "]),
-        ('dependencies=""', 'dependencies="1 99"', ["ModelStructure", "'99'", "line "]),
-        ('dependencies=""', 'dependencies="x"', ["dependencies", "'x'", "line "]),
         ('name="force" order="0"', 'name="force" order="first"', ["order", "line "]),
         ('name="force" order="0"', f'name="force" order="{"1" * 5000}"', ["order"]),
         ('name="force" order="0"', 'order="0"', ["port", "line "]),
-        ("<Tool name=", "<Tool nom=", ["name", "line "]),
         ("<ModelVariables>", "<ModelVariables><Other/>", ["Other", "line "]),
         ("</ModelStructure>", "", ["not XML"]),
         ('guid="', 'guid2="', ["guid", "line "]),
@@ -225,12 +210,7 @@ def test_fault_is_named_with_its_line(
         ('<Real unit="kg" start="heavy"/>', "'heavy'"),
         ('<Real unit="kg" start="0x10"/>', "'0x10'"),
         ('<Real unit="kg" start="1,5"/>', "'1,5'"),
-        ('<Real unit="kg" min="2" max="1" start="1"/>', "min above max"),
-        ('<Real unit="kg" min="NaN" start="1"/>', "min NaN, which is not finite"),
-        ('<Real unit="kg" max="1e999" start="1"/>', "max 1e999, which is not finite"),
-        ('<Real unit="stone" start="1"/>', "unit 'stone', which is not defined"),
-        ('<Real unit="\u202egk" start="1"/>', "unit '\\u202egk', which is not defined"),
-        ('<Real declaredType="Nowhere" start="1"/>', "Nowhere"),
+        ('<Real unit="\u202egk" start="1"/>', "unit '\\u202egk', which is unprintable"),
         ('<Integer start="1.5"/>', "1.5"),
         ('<Integer start="99999999999999999999"/>', "99999999999999999999"),
         ('<Boolean start="maybe"/>', "maybe"),
@@ -248,19 +228,63 @@ def test_bad_number_or_unit_is_named(
 
 
 def test_all_faults_are_counted(description: str, tmp_path: Path) -> None:
-    text = replaced(description, 'unit="kg" min', 'unit="stone" min')
+    text = replaced(description, 'name="gravity"', 'name=""')
     text = replaced(text, 'start="0.000603"', 'start="NaN"')
-    assert "(and 1 more)" in refused(tmp_path, text)
+    assert "(and 1 more; resilin check lists all)" in refused(tmp_path, text)
 
 
-def test_alias_is_a_warning(description: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        *(
+            ('<Unknown index="14"', f'<Unknown index="{index}"', "ModelStructure")
+            for index in ("99", "0", "-1", "\u00b2", "\u202e", "", "9" * 5000)
+        ),
+        ('<Unknown index="14"', "<Unknown", "ModelStructure"),
+        ('dependencies=""', 'dependencies="1 99"', "ModelStructure"),
+        ('dependencies=""', 'dependencies="x"', "ModelStructure"),
+        ("<Tool name=", "<Tool nom=", "nom"),
+        (MASS_REAL, '<Real unit="kg" min="2" max="1" start="1"/>', "min above max"),
+        (MASS_REAL, '<Real unit="kg" min="NaN" start="1"/>', "min 'NaN', which is not finite"),
+        (MASS_REAL, '<Real unit="kg" max="1e999" start="1"/>', "max '1e999', which is not finite"),
+        (MASS_REAL, '<Real unit="stone" start="1"/>', "unit 'stone', which is not defined"),
+        (MASS_REAL, '<Real declaredType="Nowhere" start="1"/>', "'Nowhere', which is not defined"),
+    ],
+)
+def test_what_changes_no_number_is_a_warning_with_its_line(
+    old: str, new: str, reason: str, description: str, tmp_path: Path
+) -> None:
+    interface = read_interface(fmu(tmp_path, replaced(description, old, new)))
+    (found, *_) = [warning for warning in interface.warnings if reason in warning]
+    assert found.startswith("line ")
+    assert all(warning.isprintable() for warning in interface.warnings)
+    assert interface.variables["mass"].start is not None
+    assert interface.variables["mass"].least in {None, 1e-9}
+
+
+def test_findings_of_one_kind_are_counted(description: str, tmp_path: Path) -> None:
+    text = description.replace('unit="m"', 'unit="stone"')
+    (warning,) = read_interface(fmu(tmp_path, text)).warnings
+    assert "unit 'stone'" in warning
+    assert "more like it)" in warning
+
+
+def test_two_parameters_under_one_reference_are_a_warning(description: str, tmp_path: Path) -> None:
+    twin = (
+        '<ScalarVariable name="twin" valueReference="8" causality="parameter" variability="fixed">'
+        '<Real start="1"/></ScalarVariable>'
+    )
+    text = replaced(description, "</ModelVariables>", f"{twin}</ModelVariables>")
+    (warning,) = read_interface(fmu(tmp_path, text)).warnings
+    assert "variable 'twin' is set with variable 'mass'" in warning
+    assert warning.startswith("line ")
+
+
+def test_an_alias_that_nobody_sets_is_none(description: str, tmp_path: Path) -> None:
     text = replaced(
         description, 'name="velocity" valueReference="17"', 'name="velocity" valueReference="14"'
     )
-    interface = read_interface(fmu(tmp_path, text))
-    (warning,) = interface.warnings
-    assert "'velocity' is an alias of 'motion.velocity'" in warning
-    assert warning.startswith("line ")
+    assert read_interface(fmu(tmp_path, text)).warnings == ()
 
 
 def test_same_reference_of_another_type_is_not_an_alias(description: str, tmp_path: Path) -> None:

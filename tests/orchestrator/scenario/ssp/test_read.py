@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from pathlib import Path
 
@@ -44,6 +45,29 @@ def test_a_component_with_parameters_and_an_input_that_nothing_feeds(
     assert outcome.failure is None
     expected = 0.5 * 3e-3 / 2e-3 * outcome.times**2
     assert np.abs(outcome.series("payload.displacement") - expected).max() < 1e-12
+
+
+@pytest.mark.parametrize("place", ["ssd", "ssv"])
+def test_units_mean_what_the_archive_declares(place: str, library: Path, tmp_path: Path) -> None:
+    """`lb` of 2 g and `Nm` of 1 mN are those of the archive, not those of their names."""
+    made = "".join(
+        f'<ssc:Unit name="{name}"><ssc:BaseUnit {base}/></ssc:Unit>'
+        for name, base in (
+            ("lb", 'kg="1" factor="0.002"'), ("Nm", 'kg="1" m="1" s="-2" factor="0.001"'),
+        )
+    )  # fmt: skip
+    units = f"<{place}:Units>{made}</{place}:Units>"
+    system = ALONE.replace('unit="g"', 'unit="lb"').replace('unit="mN"', 'unit="Nm"')
+    if place == "ssv":
+        system = system.replace("</ssv:Parameters>", f"</ssv:Parameters>{units}")
+    tail = units + SPAN if place == "ssd" else SPAN
+    path = packed(
+        tmp_path / "a.ssp", described(system, tail=tail),
+        resources_payload__fmu=library / "payload.fmu",
+    )  # fmt: skip
+    plan = load(str(path))
+    assert plan.starts["payload"]["mass"] == pytest.approx(2.0 * 0.002)
+    assert plan.held["payload.force.value"] == pytest.approx(3e-3)
 
 
 NESTED = f"""
@@ -222,7 +246,9 @@ def test_suppressed_conversion_keeps_the_number(tmp_path: Path, native: Path) ->
     with zipfile.ZipFile(fmu) as archive:
         names = {n: archive.read(n) for n in archive.namelist()}
     text = names["modelDescription.xml"].decode()
-    text = text.replace('<Unit name="m">', '<Unit name="mm">').replace('unit="m"', 'unit="mm"')
+    unit = r'<Unit name="m">(\s*)<BaseUnit m="1"'
+    text = re.sub(unit, r'<Unit name="mm">\1<BaseUnit m="1" factor="0.001"', text)
+    text = text.replace('unit="m"', 'unit="mm"')
     with zipfile.ZipFile(tmp_path / "mm.fmu", "w") as archive:
         for name, data in names.items():
             archive.writestr(name, text if name == "modelDescription.xml" else data)

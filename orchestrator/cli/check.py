@@ -1,0 +1,62 @@
+"""`resilin check`: what is wrong with FMU files, and whether they can be used all the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import FmuError, printable
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the command."""
+    app.command("check")(check)
+
+
+def check(
+    fmus: Annotated[list[Path], typer.Argument(help="FMU files.", metavar="FMU...")],
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Count warnings and what fmpy finds as errors.")
+    ] = False,
+) -> None:
+    """List everything found in FMU files, also by fmpy's validation; exit code 1 with errors.
+
+    Example: resilin check build/fmus/spring.fmu
+    """
+    failed = False
+    for path in fmus:
+        errors, warnings = _findings(path)
+        for kind, texts in (("error", errors), ("warning", warnings)):
+            for text in texts:
+                typer.echo(f"{path}: {kind}: {printable(text, most=900)}")
+        verdict = "refused" if errors else "usable"
+        counts = (f"{len(errors)} error", errors), (f"{len(warnings)} warning", warnings)
+        listed = ", ".join(text + "s" * (len(found) != 1) for text, found in counts)
+        typer.echo(f"{path}: {verdict}; {listed}")
+        failed |= bool(errors or (strict and warnings))
+    if failed:
+        raise typer.Exit(1)
+
+
+def _findings(path: Path) -> tuple[list[str], list[str]]:
+    """Errors and warnings of one FMU; fmpy's findings are warnings."""
+    from fmpy import platform, platform_tuple
+    from fmpy.validation import validate_fmu
+
+    from ..fmi.archive import platforms
+    from ..fmi.description import examined
+
+    try:
+        interface, found = examined(path)
+        available = platforms(path)
+    except FmuError as error:
+        return [text.removeprefix(f"{path}: ") for text in error.problems], []
+    where = "modelDescription.xml: "
+    errors = [where + text for text in found.errors]
+    place = str(platform if interface is not None and interface.version == 2 else platform_tuple)
+    if interface is not None and place not in available:
+        errors.append(f"no binary for {place} (available: {', '.join(available) or 'none'})")
+    fmpy = [f"fmpy: {text.strip()}" for text in validate_fmu(str(path))]
+    return errors, [where + text for text in found.warnings] + fmpy
