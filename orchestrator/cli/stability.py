@@ -71,7 +71,7 @@ def stability(
             name = scenario if scenario in scenario_names() else str(path.absolute())
             changes = common.assignments(set_)
             listed = [Case(name=path.stem, scenario={"extends": name}, set=dict(changes))]
-            file = Path(f"{path.stem}.toml").absolute()
+            file = Path(path.stem).absolute()
         else:
             file = cases or shipped()
             listed = load_cases(file, case)

@@ -44,8 +44,8 @@ def keep_other(path: Path, attributes: Mapping[str, Any]) -> Path | None:
 def digest(attributes: Mapping[str, Any]) -> str:
     """Eight digits that tell results of different scenarios, FMUs or sweeps apart."""
     scenario = next((attributes[name] for name in NAMES if name in attributes), "")
-    told = [str(scenario), *(str(attributes.get(key, "")) for key in IDENTITY)]
-    return hashlib.sha256(json.dumps(told).encode()).hexdigest()[:8]
+    identity = [str(scenario), *(str(attributes.get(key, "")) for key in IDENTITY)]
+    return hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:8]
 
 
 def _attributes(path: Path) -> dict[str, Any]:

@@ -213,11 +213,18 @@ def _overlaid(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
                 merged[key] = _exchanged(old, value)
             else:
                 merged[key] = _overlaid(old, value)
+                claim(merged[key], value.get("start", {}))
         elif key in LISTS and isinstance(value, list) and isinstance(old, list):
             merged[key] = [*old, *value]
         else:
             merged[key] = value
     return merged
+
+
+def claim(component: dict[str, Any], start: dict[str, Any]) -> None:
+    """Note that start values are a scenario's own, and no longer inherited from another FMU."""
+    if "inherited" in component:
+        component["inherited"] = [name for name in component["inherited"] if name not in start]
 
 
 def _exchanged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:

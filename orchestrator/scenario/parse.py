@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from ..errors import ScenarioError, nearest
 from .files import read_tree, scenario_path
-from .inheritance import _based
+from .inheritance import _based, claim
 from .schema import Scenario
 from .validation import _worded
 
@@ -40,6 +40,7 @@ def scenario_of(
                 hint = nearest(component, components)
                 raise ScenarioError(f"--set {target}: no component {component!r} in {path}; {hint}")
             components[component].setdefault("start", {})[parameter] = text
+            claim(components[component], {parameter: text})
         for key, value in options.items():
             if value:
                 tree[key] = {**tree.get(key, {}), **value}

@@ -60,7 +60,7 @@ def exact(library: Path) -> float:
     return stroke(as_recorded(run(monolithic(plan, library)), plan).series(ANGLE))
 
 
-def told(tool: str, archive: Path) -> dict[str, float]:
+def recipe_result(tool: str, archive: Path) -> dict[str, float]:
     python = OWN.get(tool, Path(sys.executable))
     if not python.exists():
         pytest.skip(f"{tool} has an environment of its own: make {python.parent.parent}/ready")
@@ -74,7 +74,7 @@ def told(tool: str, archive: Path) -> dict[str, float]:
 
 @pytest.mark.parametrize("tool", TOOLS)
 def test_whole_ports_give_the_stroke(library: Path, archives: dict[str, Path], tool: str) -> None:
-    found = told(tool, archives["curvature"])
+    found = recipe_result(tool, archives["curvature"])
     assert found["frequency"] == pytest.approx(18.0, rel=2e-3)
     assert found["stroke"] == pytest.approx(exact(library), abs=0.1)
     if tool in SEQUENTIAL:
@@ -84,7 +84,7 @@ def test_whole_ports_give_the_stroke(library: Path, archives: dict[str, Path], t
 @pytest.mark.parametrize("tool", TOOLS)
 def test_numbers_alone_are_degrees_off(library: Path, archives: dict[str, Path], tool: str) -> None:
     """What the laws are good for, in every tool: seven degrees in sequence, twenty in parallel."""
-    found = told(tool, archives["held"])
+    found = recipe_result(tool, archives["held"])
     gain = abs(found["stroke"] - exact(library)) / 0.1
     assert gain > (60.0 if tool in SEQUENTIAL else 180.0)
     if tool in SEQUENTIAL:

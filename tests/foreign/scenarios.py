@@ -61,7 +61,7 @@ def scenario(
 
 
 def ran(path: Path, **options: object) -> Outcome:
-    outcome = run(load(path, **options))  # type: ignore[arg-type]
+    outcome = run(load(path, **options), estimate=False)  # type: ignore[arg-type]
     if outcome.failure is not None:
         raise outcome.failure
     return outcome
@@ -136,15 +136,23 @@ def masses(
 
 
 def populations(
-    folder: Path, shelf: Shelf, *texts: str, version: int = 2, step: float = 0.1, more: str = ""
+    folder: Path,
+    shelf: Shelf,
+    *texts: str,
+    version: int = 2,
+    step: float = 0.1,
+    more: str = "",
+    **keys: Value,
 ) -> Path:
     """Prey and predators (Lotka and Volterra), x' = (1.5 - y) x and y' = (x - 3) y from (10, 5)."""
     fmu = shelf("POPULATION", version)
+    prey = {"growth": 1.5, "effect": -1.0, "start_size": 10.0}
+    predators = {"growth": -3.0, "effect": 1.0, "start_size": 5.0}
     return scenario(
         folder,
         *texts,
-        part("prey", fmu, start={"growth": 1.5, "effect": -1.0, "start_size": 10.0}),
-        part("predators", fmu, start={"growth": -3.0, "effect": 1.0, "start_size": 5.0}),
+        part("prey", fmu, start=prey, **keys),
+        part("predators", fmu, start=predators, **keys),
         wires("prey.size -> predators.other", "predators.size -> prey.other"),
         stop=15.0,
         step=step,

@@ -1,4 +1,4 @@
-"""Compiled parts; the benchmark folders on the path; a good scenario; refusals of bad input."""
+"""The benchmark folders on the path; a good scenario; refusals of bad input."""
 
 from __future__ import annotations
 
@@ -8,30 +8,9 @@ from pathlib import Path
 
 import pytest
 
-import build_fmus
-from tests.conftest import Runner, once, runner_on
 from tests.orchestrator.good_scenario import SCENARIO, Refuse, invoke
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-
-
-@pytest.fixture(scope="session")
-def library(native: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with every part: compiled, but for the monolith, which is in Python alone."""
-
-    def gather(folder: Path) -> None:
-        for path in native.glob("*.fmu"):
-            (folder / path.name).symlink_to(path)
-        for name in set(build_fmus.part_names()) - set(build_fmus.compilable()):
-            build_fmus.build(name, into=folder)
-
-    return once(tmp_path_factory, "compiled", gather)
-
-
-@pytest.fixture(scope="session")
-def outcome(library: Path) -> Runner:
-    """Run a scenario on these parts."""
-    return runner_on(library)
 
 
 @pytest.fixture

@@ -30,10 +30,13 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
     scenario = plan.scenario
     home = _home(library)
     parts = {name: plan.interfaces[name].path.stem for name in plan.order}
+    for name, part in parts.items():
+        if plan.interfaces[name].path != fmu_path(part, plan.path, library):
+            raise ScenarioError(f"{plan.path}: components.{name}: not a part of the monolith")
     probe = read_interface(fmu_path(MONOLITH, plan.path, home))
     known = {name.partition(".")[0] for name in probe.variables if "." in name}
     for name, part in parts.items():
-        if part not in known or plan.interfaces[name].path != fmu_path(part, plan.path, library):
+        if part not in known:
             raise ScenarioError(f"{plan.path}: components.{name}: not a part of the monolith")
     if len(set(parts.values())) != len(parts):
         raise ScenarioError(

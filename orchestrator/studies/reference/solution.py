@@ -15,10 +15,12 @@ from ...results.outcome import Outcome
 from ...scenario.plan import Plan
 from ...simulation.interrupt import Interrupt
 from ...simulation.run import replay, run
-from ..precision.method import Method, with_step
+from ..precision.method import Method, own, with_step
 from .monolith import as_recorded, monolithic
 
 Reference = Literal["monolith", "self"]
+AGREES = 0.05
+"""Distance, by the largest value, up to which runs count as the same solution."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,8 @@ def reference_solution(
     quarter of the `finest` of the steps to be measured, which is given as a multiple of the
     scenario's; its error is bounded by the distance from the run at twice that step. Raises
     `ScenarioError` where a monolith is wanted and there is none, `SimulationError` where the
-    reference itself cannot be calculated.
+    reference itself cannot be calculated, or where it is none: the runs at both steps, or the run
+    of the scenario's own master, disagree with it by more than `AGREES`.
     """
     if wanted != "self":
         try:
@@ -118,13 +121,32 @@ def reference_solution(
 
 def _itself(plan: Plan, kind: str, finest: float, interrupt: Interrupt | None) -> ReferenceSolution:
     """The scenario at a quarter of the finest step, bounded by the distance from that at half."""
-    method = Method(kind, plan.scenario.master.laws)
-    fine, finer = (
-        _whole(run(with_step(plan, method, share * finest * plan.grid.step), interrupt=interrupt))
-        for share in (0.5, 0.25)
-    )
-    bound, _ = errors(fine, finer)
+
+    def ran(method: Method, share: float) -> Outcome:
+        setting = with_step(plan, method, share * finest * plan.grid.step)
+        return _whole(run(setting, interrupt=interrupt, estimate=False))
+
+    method, usual = Method(kind, plan.scenario.master.laws), own(plan)
+    finer = ran(method, 0.25)
+    bound, _ = errors(ran(method, 0.5), finer)
+    _agree(plan, bound, f"{method} at two steps")
+    if usual != method:
+        _agree(plan, errors(ran(usual, 0.25), finer)[0], f"{method} and {usual}")
     return ReferenceSolution(finer, f"itself by {method} at a quarter of the finest step", bound)
+
+
+def _agree(plan: Plan, distance: dict[str, float], what: str) -> None:
+    """`SimulationError` where runs that should be the same solution are not."""
+    name, worst = max(
+        ((n, distance[n]) for n in plan.leading if n in distance),
+        key=lambda entry: entry[1],
+        default=("", 0.0),
+    )
+    if not worst <= AGREES:
+        raise SimulationError(
+            f"{plan.path}: no reference: {what} disagree by {worst:.0%} on {name}; give a finer"
+            " step"
+        )
 
 
 def _whole(outcome: Outcome) -> Outcome:

@@ -21,6 +21,7 @@ COLOURS = {
     "stopped": "#5b7fa6",
     "silent": "#c0392b",
     "late": "#b0b0b0",
+    "unjudged": "#8e6bb0",
 }
 LETTERS = {
     "accurate": "A",
@@ -28,6 +29,7 @@ LETTERS = {
     "stopped": "s",
     "silent": "!",
     "late": ".",
+    "unjudged": "?",
 }
 
 

@@ -21,6 +21,7 @@ CLASSES = {
     "stopped": "ended by an error that names instance, place and time",
     "silent": "wrong, and nothing warns",
     "late": "not finished within its patience",
+    "unjudged": "reached its end; the case has no reference to judge it by",
 }
 
 
@@ -61,4 +62,5 @@ def judged(done: Outcome, error: float, names: Iterable[str]) -> tuple[str, str]
     if found.estimates is None:
         return ("inaccurate", "estimate") if found.doubt else ("silent", "")
     estimate = max((found.estimates[name].relative for name in names), default=0.0)
-    return ("inaccurate", "estimate") if estimate >= HONEST * error else ("silent", "")
+    noticed = estimate >= HONEST * error or bool(found.unseen)
+    return ("inaccurate", "estimate") if noticed else ("silent", "")

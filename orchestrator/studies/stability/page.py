@@ -16,6 +16,7 @@ TONES: dict[str, Tone] = {
     "stopped": "blue",
     "silent": "red",
     "late": "grey",
+    "unjudged": "grey",
 }
 
 

@@ -136,7 +136,7 @@ def _trial(job: Job, plan: Plan, exact: Outcome | None, bare: Trial) -> Trial:
         if done.failure is not None:
             return replace(spent, kind="stopped", reason=_short(done.failure))
         if exact is None:
-            return replace(spent, kind="silent", reason="the case has no reference solution")
+            return replace(spent, kind="unjudged", reason="the case has no reference solution")
         error = max(errors(done, exact)[0].values())
         kind, noticed_by = judged(done, error, exact.names)
     except ResilinError as failure:

@@ -51,6 +51,14 @@ def test_a_component_with_another_part_starts_afresh(library: Path, tmp_path: Pa
     text = path.read_text() + "start = { loss_factor = 0.2 }\n"
     path.write_text(text)
     assert load(path, None, library).starts["spring"] == {"loss_factor": 0.2}
+    changed = load(path, {"spring.loss_factor": "0.3"}, library)
+    assert changed.starts["spring"] == {"loss_factor": 0.3}
+    above = tmp_path / "above.toml"
+    above.write_text('extends = "swap.toml"\n[components.spring.start]\nloss_frequency = "40 Hz"\n')
+    assert load(above, None, library).starts["spring"] == {
+        "loss_factor": 0.2,
+        "loss_frequency": 40.0,
+    }
 
 
 def test_a_part_built_otherwise_keeps_the_start_values(library: Path, tmp_path: Path) -> None:
