@@ -29,10 +29,10 @@ def plot(
 
     Example: resilin plot results/flapping-full-wings.nc --variable "linkage.*_energy"
     """
-    from ..results.netcdf import opened
     from ..results.plot import draw
+    from ..results.recorded import read_recorded
 
     target = output or result.with_suffix(".png")
-    with common.reported(), opened(result) as data:
-        drawn = draw(data, target, variables, cycles)
+    with common.reported():
+        drawn = draw(read_recorded(result), target, variables, cycles)
     typer.echo(f"plot: {drawn}")

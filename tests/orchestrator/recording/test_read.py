@@ -124,6 +124,11 @@ BAD: dict[str, tuple[str | bytes, dict[str, object], list[str]]] = {
     "no unit": ("time,y [furlongs per]\n0,1\n1,2\n", {}, ["column 'y [furlongs per]'"]),
     "time in newtons": ("time [N],y\n0,1\n1,2\n", {}, ["column 'time [N]'", "not convertible"]),
     "of another": (GOOD, {"component": "spring"}, ["no column of component 'spring'"]),
+    "beyond the bridge": (
+        "time,y\n0,1e300\n1,\n2,1\n3,1\n",
+        {"bridge": "cubic"},
+        ["line 2", "column 'y'", "1e+300 is beyond"],
+    ),
     "too large": (GOOD, {"most": 20}, ["more than 20", "memory"]),
 }
 
