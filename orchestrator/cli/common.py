@@ -15,6 +15,8 @@ import typer
 from ..errors import InputError, ResilinError, printable
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from ..studies.precision.method import Method
 
 ScenarioName = Annotated[str, typer.Argument(help="A shipped scenario's name, or a TOML file.")]
@@ -132,6 +134,13 @@ def fail(message: str, code: int) -> None:
     for line in message.split("\n"):
         typer.echo(f"resilin: {printable(line, most=900)}", err=True)
     raise typer.Exit(code)
+
+
+def console() -> Console:
+    """The terminal for tables; brackets and colons in a text stand as they are."""
+    from rich.console import Console
+
+    return Console(markup=False, emoji=False, highlight=False)
 
 
 def print_json(content: Any) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError, nearest
-from ..report.image import save_figure
+from ..report.image import plain, save_figure, standard_settings
 from ..units import UnitError, factor
 from .outcome import Outcome
 from .recorded import Recorded, recorded
@@ -21,6 +21,7 @@ CYCLES = 5.0
 MOST_POINTS = 20_000
 
 
+@standard_settings()
 def draw(
     source: Recorded | Outcome | xarray.Dataset,
     path: Path,
@@ -45,8 +46,8 @@ def draw(
     for axis, (label, scale, names) in zip(axes[:, 0], panels, strict=True):
         _panel(axis, data, shown, label, scale, names)
     axes[-1, 0].set_xlabel("Time (s)")
-    figure.suptitle(data.title.replace("$", r"\$"))
-    figure.tight_layout()
+    figure.suptitle(plain(data.title))
+    figure.set_layout_engine("tight")
     return save_figure(figure, path, 110)
 
 
@@ -92,8 +93,8 @@ def _panel(
     axis: Any, data: Recorded, shown: slice, label: str, scale: float, names: list[str]
 ) -> None:
     for name in names:
-        axis.plot(data.times[shown], scale * data.series[name][shown], label=name, lw=1.2)
-    axis.set_ylabel(label.replace("$", r"\$"), fontsize=8)
+        axis.plot(data.times[shown], scale * data.series[name][shown], label=plain(name), lw=1.2)
+    axis.set_ylabel(plain(label), fontsize=8)
     axis.grid(visible=True, alpha=0.3)
     if len(names) > 1:
         axis.legend(fontsize=7, loc="upper right")
