@@ -40,11 +40,12 @@ def inspect(
 
     Example: resilin inspect flapping-full-wings --diagram vehicle.svg
     """
-    from ..simulation.load import load
+    from ..simulation.load import load, unloaded
 
     with common.reported():
         options = common.overrides(laws, kind)
-        plan = load(scenario, common.assignments(set_), fmus, **options)
+        read = load if stability else unloaded
+        plan = read(scenario, common.assignments(set_), fmus, **options)
         if diagram is not None:
             from ..scenario.diagram.draw import draw
 
@@ -55,12 +56,10 @@ def inspect(
 
         common.print_json(facts(plan))
         return
-    from rich.console import Console
-
     from ..scenario.inspection import tables
 
     for table in tables(plan):
-        Console().print(table)
+        common.console().print(table)
     if verdict:
         typer.echo(verdict)
     if diagram is not None:
