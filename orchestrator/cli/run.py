@@ -52,7 +52,7 @@ def run(
 
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz" --estimate
     """
-    from ..results.netcdf import clear, partial_path, prepare, segments_for, write
+    from ..results.netcdf import partial_path, prepare, segments_for, write
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load
     from ..simulation.run import run as run_plan
@@ -64,7 +64,6 @@ def run(
         plan = load(scenario, common.assignments(set_), parts, **options)
         prepare(target)
         interrupt.check()
-        clear(target)
         progress = not (quiet or json) and sys.stderr.isatty()
         outcome = run_plan(
             plan,
@@ -73,9 +72,12 @@ def run(
             segments=segments_for(plan, target),
             estimate=estimate,
         )
-        written = write(outcome, target)
+        with interrupt.withheld():
+            written = write(outcome, target)
     if outcome.failure is not None:
         kept = f"{outcome.kept} rows are kept in {partial_path(target)}"
+        if target.exists():
+            kept += f"; {target} is still the result of an earlier run"
         common.fail(f"{outcome.failure}; {kept}", getattr(outcome.failure, "exit_code", 1))
     _show(outcome, written, plot=picture, json=json, quiet=quiet, verbose=verbose)
 
@@ -90,8 +92,10 @@ def recover(
     from ..results.netcdf import recover as recovered
 
     with common.reported():
-        path, rows = recovered(folder)
+        path, rows, lost = recovered(folder)
     typer.echo(f"{rows} rows: {path}")
+    if lost:
+        common.fail(f"{folder}: damaged, their rows are lost: {', '.join(lost)}", 1)
 
 
 def _show(
@@ -166,19 +170,18 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
 
 def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, verbose: bool) -> None:
     """Print the table of metrics, the warnings, and where the files are."""
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
     from ..errors import printable
     from ..simulation.summary import couplings, errors, warnings
 
-    console = Console()
+    console = common.console()
     table = Table(title=Text(printable(outcome.plan.scenario.title)), title_justify="left")
     table.add_column("metric")
     table.add_column("value", justify="right")
     for metric in found:
-        table.add_row(metric.name, metric.shown)
+        table.add_row(printable(metric.name), printable(metric.shown))
     console.print(table)
     compiled = [n for n, i in outcome.plan.interfaces.items() if i.ours and not i.needs_tool]
     speed = outcome.simulated / outcome.wall_time
@@ -191,17 +194,17 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
     if compiled:
         console.print(f"compiled parts: {', '.join(compiled)} (--python for the others)")
     if outcome.plan.step_reason:
-        console.print(f"auto: {outcome.plan.step_reason}", highlight=False)
+        console.print(f"auto: {outcome.plan.step_reason}")
     if outcome.estimates is not None:
         console.print(errors(outcome))
     if verbose:
         console.print(couplings(outcome))
         for name, count in outcome.calls.items():
             back = outcome.rollbacks.get(name, 0)
-            console.print(f"{name}: {count} steps, {back} rollbacks", highlight=False)
+            console.print(f"{name}: {count} steps, {back} rollbacks")
         loop = f"in Python: {outcome.python_loop}" if outcome.python_loop else "compiled"
-        console.print(f"communication loop {loop}", highlight=False)
-        console.print(f"residual at the start: {outcome.residual:.2g}", highlight=False)
+        console.print(f"communication loop {loop}")
+        console.print(f"residual at the start: {outcome.residual:.2g}")
     for line in warnings(outcome):
         console.print(Text(f"warning: {line}"), soft_wrap=True)
     for label, path in (("result:", written), ("plot:  ", drawn)):

@@ -32,8 +32,8 @@ class Interrupt:
     """Context in which SIGINT, SIGTERM and SIGHUP set a flag that a run looks at between steps.
 
     A second signal, or `GRACE` seconds without a look, raises :class:`Interrupted` wherever the run
-    is, as in a call of an instance that hangs. Once it has been raised, and amid `withheld`, signals
-    no longer act: nothing cuts short how a run ends and is written.
+    is, as in a call of an instance that hangs. Once it has been raised, and amid `withheld`, no
+    signal acts: nothing cuts short how a run ends and is written.
     """
 
     def __init__(self) -> None:

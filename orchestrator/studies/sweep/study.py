@@ -61,7 +61,7 @@ def sweep(
     points of another scenario, FMU or version of Resilin are not reused. `keep` leaves that
     folder after a whole sweep. Raises `InputError` with all problems before anything runs.
     """
-    from ...results.netcdf import clear, prepare
+    from ...results.netcdf import prepare
 
     common = dict(changes or {})
     parsed = [parse_axis(axis) if isinstance(axis, str) else axis for axis in axes]
@@ -80,7 +80,6 @@ def sweep(
         WorkerPool(calculate, workers, scheduler, patience) as pool,
         _bar(bool(progress)) as show,
     ):
-        clear(target)
         study = _Study(grid, folder, pool, refine, check, show)
         return study.carried_out(target, keep)
 
