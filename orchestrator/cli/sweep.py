@@ -77,9 +77,12 @@ def sweep(
 
         common.print_json({"result": str(target), "points": facts(data)})
     elif not quiet:
-        from rich.console import Console
-
         from ..studies.sweep.table import table
 
-        Console().print(table(data))
+        common.console().print(table(data))
         typer.echo(f"result:  {target}")
+    failed = int((data["status"] == "failed").sum())
+    if failed:
+        common.fail(
+            f"{failed} of {data.sizes['point']} points failed; {target} holds the reasons", 1
+        )

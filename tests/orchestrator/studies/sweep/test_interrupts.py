@@ -33,7 +33,7 @@ if __name__ == "__main__":
     study.Checkpoint = Mortal
     axis, library, target = sys.argv[1:]
     options = {"time": {"stop": "2 cycles"}}
-    study.sweep("flapping-full-wings", [study.parse_axis(axis)], Path(library), Path(target),
+    study.sweep("flapping-spring-full-wings", [study.parse_axis(axis)], Path(library), Path(target),
                 workers=1, options=options)
 """
 
