@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,6 +46,8 @@ def read_table(path: Path, choice: Choice, *, bridge: str = "", most: int = LARG
         table = read_binary(path, choice, most) if suffix in FORMATS else read_csv(path, choice)
     except OSError as error:
         raise RecordingError(f"{path}: no such recording ({error.strerror or error})") from None
+    except csv.Error as error:
+        raise RecordingError(f"{path}: is not a table that can be read ({error})") from None
     except ValueError as error:
         raise RecordingError(f"{printable(str(path))}: no such recording ({error})") from None
     return _whole(_in_order(_in_seconds(table)), bridge)

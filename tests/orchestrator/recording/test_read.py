@@ -78,6 +78,11 @@ def test_an_index_is_not_a_unit() -> None:
     assert Heading.of("x[1] [m]") == Heading("x[1] [m]", "x[1]", "m")
 
 
+def test_an_endless_heading_takes_no_time(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="no column has the name of a variable"):
+        read(tmp_path, "time," + "x" + " " * 120_000 + "(\n0,1\n1,2\n")
+
+
 @pytest.mark.parametrize("kind", ["linear", "held", "cubic"])
 def test_gaps_are_bridged_when_asked(tmp_path: Path, kind: str) -> None:
     rows = "".join(f"{k},{'' if k == 5 else 2 * k}\n" for k in range(12) if k != 8)
