@@ -57,17 +57,17 @@ class BinaryFile:
             self._lines.write(b"%d\n" % k)
             self._lines.flush()
         except OSError:
-            raise RecordingError(f"{where} (its reader crashed)") from None
+            raise RecordingError(f"{where} (its reader crashed or took too long)") from None
         size = self._answer(where)["rows"] * np.dtype(float).itemsize
         content = self._answers.read(size)
         if len(content) != size:
-            raise RecordingError(f"{where} (its reader crashed)")
+            raise RecordingError(f"{where} (its reader crashed or took too long)")
         return np.frombuffer(content)
 
     def _answer(self, where: str) -> dict[str, Any]:
         line = self._answers.readline(LONGEST)
         if not line.endswith(b"\n"):
-            raise RecordingError(f"{where} (its reader crashed)")
+            raise RecordingError(f"{where} (its reader crashed or took too long)")
         found: dict[str, Any] = json.loads(line)
         if "refused" in found:
             raise RecordingError(f"{where} ({printable(' '.join(found['refused'].split()))})")

@@ -20,6 +20,10 @@ COPIES = 2
 """Times that a reader holds what it unpacks: as it was written, and as an array."""
 ROOM = 512 << 20
 """Bytes for the reader itself."""
+SECONDS = 8
+"""Processor time for a small file; a damaged one may be read for ever."""
+SLOWEST = 10 << 20
+"""Bytes of a file that a reader takes in a second at least."""
 
 Found = tuple[list[dict[str, Any]], dict[str, str], Callable[[int], Any]]
 """Declared columns, attributes of the file, and how the values of a column are read."""
@@ -120,21 +124,26 @@ READERS: dict[str, Callable[[str], Found]] = {
 }
 
 
-def limit_memory(most: int) -> None:
-    """Limit what may be allocated beyond what is in use, where the system can; no core files."""
+def limit(most: int, packed: int) -> None:
+    """Limit memory beyond what is in use, and processor time, where the system can; no core files.
+
+    The file has `packed` bytes and may unpack `most`.
+    """
     try:
         import resource
     except ImportError:
         return
     if sys.platform == "linux":
         pages = int(Path("/proc/self/statm").read_text().split()[0])
-        limit = min(pages * resource.getpagesize() + ROOM + COPIES * most, sys.maxsize)
+        size = min(pages * resource.getpagesize() + ROOM + COPIES * most, sys.maxsize)
         hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-        if hard == resource.RLIM_INFINITY or limit < hard:
-            resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+        if hard == resource.RLIM_INFINITY or size < hard:
+            resource.setrlimit(resource.RLIMIT_AS, (size, size))
+    seconds = SECONDS + packed // SLOWEST
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 if __name__ == "__main__":
-    limit_memory(int(sys.argv[3]))
+    limit(int(sys.argv[3]), Path(sys.argv[2]).stat().st_size)
     serve(sys.argv[1], sys.argv[2], sys.stdin.buffer, sys.stdout.buffer)

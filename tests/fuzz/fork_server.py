@@ -26,7 +26,8 @@ while True:
     process = os.fork()
     if not process:
         form, path, most = json.loads(request)
-        binary_reader.limit_memory(most)
+        binary_reader.SECONDS = 1
+        binary_reader.limit(most, 0)
         with os.fdopen(lines, "rb") as given, os.fdopen(answers, "wb") as sent:
             binary_reader.serve(form, path, given, sent)
         os._exit(0)
