@@ -38,29 +38,36 @@ def build(
     native: bool = False,
     platforms: Iterable[str] = (),
 ) -> Built:
-    """Build one part, or reuse the file that stands for the same sources.
+    """Build one part, or reuse the file that was built here of the same sources.
 
     `alias` names the FMU, `changes` gives start values as texts with units, `data` takes
     the place of the data file that the part's tables are made from, `recording` that of the
-    sample that `replay` plays. The rest is as in :func:`fmus.export.build.build_part`.
+    sample that `replay` plays. The rest is as in :func:`fmus.export.build.build_part`. The file is
+    noted as built here, so that a master may run it in its own process.
     """
+    from orchestrator.fmi.built import digest_of, is_built_here, note
+
     part = load_part(name)
     starts = changed_starts(part, changes or {})
     files: dict[str, bytes] = {}
     if recording is not None:
         starts = recorded_starts(part, recording) | starts
         files = recorded_files(recording)
-    return build_part(
+    target = (into or (NATIVE if native else OUTPUT)) / f"{alias or name}.fmu"
+    foreign = target.is_file() and not is_built_here(digest_of(target))
+    built = build_part(
         part,
         alias=alias,
         starts=starts,
         data=data,
         files=files,
         into=into,
-        force=force,
+        force=force or foreign,
         native=native,
         platforms=platforms,
     )
+    note(built.path)
+    return built
 
 
 def changed_starts(part: Any, changes: dict[str, str]) -> dict[str, float]:

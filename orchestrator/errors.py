@@ -125,15 +125,23 @@ def renamed(old: str, new: str) -> None:
     )
 
 
+LONGEST_WORD = 200
+MOST_WORDS = 5000
+"""Beyond these no nearest word is looked for: the time goes with the square of their length."""
+
+
 def nearest(word: str, words: Iterable[str], *, show: int = 8) -> str:
     """`did you mean 'x'?`, or a list of the words, cut to `show` of them."""
     choices = sorted(words)
-    close = difflib.get_close_matches(word, choices, n=1, cutoff=0.6)
+    close: list[str] = []
+    if len(word) <= LONGEST_WORD and len(choices) <= MOST_WORDS:
+        short = [choice for choice in choices if len(choice) <= LONGEST_WORD]
+        close = difflib.get_close_matches(word, short, n=1, cutoff=0.6)
     if close:
         return f"did you mean {close[0]!r}?"
     if not choices:
         return "there is none"
-    listed = ", ".join(choices[:show]) + (", ..." if len(choices) > show else "")
+    listed = ", ".join(map(printable, choices[:show])) + (", ..." if len(choices) > show else "")
     return f"there {'is' if len(choices) == 1 else 'are'} {listed}"
 
 

@@ -68,12 +68,10 @@ def calibrate(
     if json:
         common.print_json([facts(one) for one in found])
     elif not quiet:
-        from rich.console import Console
-
         for one in found:
-            Console().print(parameters(one))
-            Console().print(data(one))
-            Console().print(sensitivities(one))
+            common.console().print(parameters(one))
+            common.console().print(data(one))
+            common.console().print(sensitivities(one))
             values = ", ".join(f"{value:.3g}" for value in one.singular)
             typer.echo(f"singular values of the sensitivities: {values}")
             typer.echo(f"{one.runs} runs in {one.wall_time:.1f} s; {one.message}")
@@ -84,8 +82,6 @@ def _profile(
     json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """The profiles of these fits, as tables or for scripts."""
-    from rich.console import Console
-
     from ..studies.calibration import profile
     from ..studies.calibration.table import point_facts, points
 
@@ -94,4 +90,4 @@ def _profile(
         common.print_json([point_facts(fit, each) for fit, each in found])
     elif not quiet:
         for fit, each in found:
-            Console().print(points(fit, each))
+            common.console().print(points(fit, each))

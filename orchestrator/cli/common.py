@@ -16,6 +16,8 @@ from ..errors import InputError, ResilinError, printable
 from . import completion
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from ..studies.precision.method import Method
 
 ScenarioName = Annotated[
@@ -176,6 +178,13 @@ def fail(message: str, code: int) -> None:
     for line in message.split("\n"):
         typer.echo(f"resilin: {printable(line, most=900)}", err=True)
     raise typer.Exit(code)
+
+
+def console() -> Console:
+    """The terminal for tables; brackets and colons in a text stand as they are."""
+    from rich.console import Console
+
+    return Console(markup=False, emoji=False, highlight=False)
 
 
 def print_json(content: Any) -> None:

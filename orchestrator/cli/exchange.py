@@ -43,7 +43,7 @@ def export(
     """
     from ..errors import InputError, OutputError
     from ..scenario.ssp.write import VERSIONS, Package, write_ssp
-    from ..simulation.load import load
+    from ..simulation.load import unloaded
 
     target = to or Path(f"{Path(scenario).stem}.ssp")
     with common.reported(), tempfile.TemporaryDirectory(prefix="resilin_export_") as folder:
@@ -53,7 +53,7 @@ def export(
             raise InputError(f"--ssp {version}: is not written; choose {' or '.join(VERSIONS)}")
         options = common.overrides(laws, kind, stop, step)
         library = common.library(fmus, native)
-        plan = load(scenario, common.assignments(set_), library, **options)
+        plan = unloaded(scenario, common.assignments(set_), library, **options)
         sets = _sets(scenario, also or [], library, options)
         files, built_in = _made(plan, Path(folder))
         remarks = write_ssp(Package(plan, files, built_in, sets, version), target)
@@ -116,7 +116,7 @@ def _sets(
 ) -> dict[str, dict[str, float | str]]:
     """Parameter sets of `NAME:component.parameter=value` texts, in the FMUs' units."""
     from ..errors import InputError
-    from ..simulation.load import load
+    from ..simulation.load import unloaded
 
     wanted: dict[str, dict[str, str]] = {}
     for text in texts:
@@ -126,7 +126,7 @@ def _sets(
         wanted.setdefault(name, {}).update(common.assignments([assignment], "--also"))
     made: dict[str, dict[str, float | str]] = {}
     for name, changes in wanted.items():
-        starts = load(scenario, changes, library, **options).starts
+        starts = unloaded(scenario, changes, library, **options).starts
         made[name] = {key: starts[key.partition(".")[0]][key.partition(".")[2]] for key in changes}
     return made
 

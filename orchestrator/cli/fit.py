@@ -131,13 +131,12 @@ def pairs(texts: list[str] | None, option: str) -> dict[str, str]:
 
 
 def _report(found: Identified, files: list[Path]) -> None:
-    from rich.console import Console
     from rich.text import Text
 
     from ..errors import printable
     from ..studies.identification.table import outputs, parameters, remarks
 
-    console = Console()
+    console = common.console()
     console.print(parameters(found))
     console.print(outputs(found))
     for line in remarks(found):

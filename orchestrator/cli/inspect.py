@@ -44,7 +44,7 @@ def inspect(
     """
     from ..scenario.files import scenario_names
     from ..scenario.library import part_names
-    from ..simulation.load import load
+    from ..simulation.load import load, unloaded
 
     if scenario.endswith(".fmu") or scenario in {*part_names(fmus)} - {*scenario_names()}:
         with common.reported():
@@ -52,7 +52,8 @@ def inspect(
         return
     with common.reported():
         options = common.overrides(laws, kind)
-        plan = load(scenario, common.assignments(set_), fmus, **options)
+        read = load if stability else unloaded
+        plan = read(scenario, common.assignments(set_), fmus, **options)
         if diagram is not None:
             from ..scenario.diagram.draw import draw
 
@@ -63,12 +64,10 @@ def inspect(
 
         common.print_json(facts(plan))
         return
-    from rich.console import Console
-
     from ..scenario.inspection import tables
 
     for table in tables(plan):
-        Console().print(table)
+        common.console().print(table)
     if verdict:
         typer.echo(verdict)
     if diagram is not None:

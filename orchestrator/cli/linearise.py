@@ -99,7 +99,6 @@ def _amplitude(plan: Plan, found: Linear, text: str) -> float:
 
 def _report(found: Linear, radii: dict[str, float]) -> None:
     import numpy as np
-    from rich.console import Console
     from rich.table import Table
 
     table = Table("pole (1/s)", "natural frequency", "damping ratio", title="poles, slowest first")
@@ -109,13 +108,11 @@ def _report(found: Linear, radii: dict[str, float]) -> None:
         size = abs(pole)
         text = f"{pole.real:.6g}" + (f" +- {pole.imag:.6g} i" if pole.imag else "")
         table.add_row(text, f"{size / (2 * np.pi):.5g} Hz", f"{-pole.real / size:.5g}")
-    console = Console()
+    console = common.console()
     console.print(table)
     console.print(f"error on a second record: {found.matched:.1e}", highlight=False)
     for name, reason in found.left_out.items():
         console.print(f"left out: {name} {reason}", highlight=False, soft_wrap=True)
     for name, radius in radii.items():
         verdict = "stable" if radius <= 1.0 + 1e-6 else "unstable"
-        console.print(
-            f"{name} at this step: spectral radius {radius:.6f}, {verdict}", highlight=False
-        )
+        console.print(f"{name} at this step: spectral radius {radius:.6f}, {verdict}")

@@ -80,7 +80,6 @@ def paper(
 
 
 def _report(found: Reproduction) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     from ..errors import printable
@@ -92,4 +91,4 @@ def _report(found: Reproduction) -> None:
             paper, ours, error = texts(row)
             cells = (row.number.quantity, row.reading, paper, ours, error, row.mark.kind)
             table.add_row(*(printable(cell.replace("\N{NO-BREAK SPACE}", " ")) for cell in cells))
-    Console().print(table)
+    common.console().print(table)

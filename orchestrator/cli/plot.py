@@ -40,9 +40,9 @@ def plot(
 
     Example: resilin plot results/flapping-full-wings.nc --variable "linkage.*_energy"
     """
-    from ..results.netcdf import is_sweep, opened, opened_file
+    from ..results.netcdf import is_sweep, opened_file
     from ..results.plot import CYCLES, overlay
-    from ..results.recorded import recorded
+    from ..results.recorded import read_recorded
 
     with common.reported(), ExitStack() as stack:
         first = stack.enter_context(opened_file(results[0]))
@@ -54,10 +54,7 @@ def plot(
                 raise InputError(f"--cycles: {results[0]} is a sweep, which has no time")
             drawn = draw(over_axes(first), output or results[0].with_suffix(".png"), variables)
         else:
-            runs = {
-                name: recorded(stack.enter_context(opened(path)))
-                for name, path in common.run_names(results).items()
-            }
+            runs = {name: read_recorded(path) for name, path in common.run_names(results).items()}
             target = output or results[0].with_name(f"{'-'.join(p.stem for p in results)}.png")
             drawn = overlay(runs, target, variables, CYCLES if cycles is None else cycles)
     typer.echo(f"plot: {drawn}")

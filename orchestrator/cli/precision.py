@@ -109,11 +109,9 @@ def precision(
 
 def _report(study: Study) -> None:
     """Print the table of runs, the reference, and the cheapest settings."""
-    from rich.console import Console
-
     from ..studies.precision.table import cheapest_settings, table
 
-    Console().print(table(study))
+    common.console().print(table(study))
     typer.echo(f"errors of {', '.join(study.variables)} against {study.reference}")
     for line in cheapest_settings(study):
         typer.echo(line)

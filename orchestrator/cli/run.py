@@ -60,7 +60,7 @@ def run(
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz"
     """
     from ..results.kept_aside import keep_other
-    from ..results.netcdf import clear, partial_path, prepare, provenance, segments_for, write
+    from ..results.netcdf import partial_path, prepare, provenance, segments_for, write
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load
     from ..simulation.run import run as run_plan
@@ -75,7 +75,6 @@ def run(
         interrupt.check()
         if output is None:
             keep_other(target, provenance(plan))
-        clear(target)
         progress = not (quiet or json) and sys.stderr.isatty()
         outcome = run_plan(
             plan,
@@ -84,9 +83,12 @@ def run(
             segments=segments_for(plan, target),
             estimate=estimate,
         )
-        written = write(outcome, target)
+        with interrupt.withheld():
+            written = write(outcome, target)
     if outcome.failure is not None:
         kept = f"{outcome.kept} rows are kept in {partial_path(target)}"
+        if target.exists():
+            kept += f"; {target} is still the result of an earlier run"
         common.fail(f"{outcome.failure}; {kept}", getattr(outcome.failure, "exit_code", 1))
     _show(outcome, written, plot=picture, json=json, quiet=quiet, verbose=verbose)
     reason = meaningless(outcome)
@@ -104,8 +106,10 @@ def recover(
     from ..results.netcdf import recover as recovered
 
     with common.reported():
-        path, rows = recovered(folder)
+        path, rows, lost = recovered(folder)
     typer.echo(f"{rows} rows: {path}")
+    if lost:
+        common.fail(f"{folder}: damaged, their rows are lost: {', '.join(lost)}", 1)
 
 
 def _show(
@@ -181,14 +185,13 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
 
 def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, verbose: bool) -> None:
     """Print the table of metrics, the warnings, and where the files are."""
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
     from ..errors import printable
     from ..simulation.summary import accuracy, warnings
 
-    console = Console()
+    console = common.console()
     title = Text(printable(outcome.plan.scenario.title))
     table = Table(title=title, title_justify="left")
     table.add_column("metric")
@@ -196,7 +199,7 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
     if outcome.estimates is not None:
         table.add_column("estimated error", justify="right")
     for metric in found:
-        row = [metric.name, metric.shown, metric.shown_error]
+        row = [printable(metric.name), printable(metric.shown), printable(metric.shown_error)]
         table.add_row(*row[: len(table.columns)])
     console.print(table if found else title)
     compiled = [n for n, i in outcome.plan.interfaces.items() if i.ours and not i.needs_tool]

@@ -109,12 +109,10 @@ def stability(
 
 def _report(study: Study) -> None:
     """Print the table, the meaning of its letters, and the counts."""
-    from rich.console import Console
-
     from ..studies.stability import CLASSES
     from ..studies.stability.chart import legend, table
 
-    Console().print(table(study))
+    common.console().print(table(study))
     typer.echo(legend())
     lines = {
         "all": study.count(),

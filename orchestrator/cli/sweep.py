@@ -82,14 +82,18 @@ def sweep(
 
         common.print_json({"result": str(target), "points": facts(data)})
     elif not quiet:
-        from rich.console import Console
         from rich.text import Text
 
         from ..studies.sweep.table import remarks, tables
 
-        console = Console()
+        console = common.console()
         for table in tables(data, console.width):
             console.print(table)
         for line in remarks(data):
             console.print(Text(line))
         typer.echo(f"result: {target}")
+    failed = int((data["status"] == "failed").sum())
+    if failed:
+        common.fail(
+            f"{failed} of {data['status'].size} points failed; {target} holds the reasons", 1
+        )

@@ -16,6 +16,8 @@ _VARIABLE = re.compile(r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?(\.[A-Za-z_]\w*(\[\d+(,\d+
 CLOCKS = ("time", "t", "timestamp")
 SECONDS = ("s", "sec", "secs", "second", "seconds")
 """Spellings of the unit of time whatever their case: a column of time is not in siemens."""
+LONGEST_HEADING = 1000
+"""Characters of a heading in which a unit is looked for."""
 EVERY = "*"
 """In place of the name of a component: columns of all, named `component.variable`."""
 
@@ -32,7 +34,7 @@ class Heading:
     def of(cls, text: str) -> Heading:
         """Heading of one cell; an index, as in `x[1]`, is not a unit."""
         words = text.strip()
-        found = _WITH_UNIT.fullmatch(words)
+        found = _WITH_UNIT.fullmatch(words) if len(words) <= LONGEST_HEADING else None
         if found is None or re.fullmatch(r"[\d, ]*", found[2]):
             return cls(words, words, "")
         return cls(words, found[1], unit_in(found[2]))

@@ -19,8 +19,22 @@ PLACES, SHARES = 0.5 * (GAUSS[0] + 1.0), 0.5 * GAUSS[1]
 """Nodes and weights on 0 to 1 that integrate the square of a cubic exactly."""
 
 
-class Uneven(ValueError):
-    """Samples that are not equidistant where they have to be."""
+LARGEST = 1e100
+"""Largest value, in the unit of its column, and time [s]; a run stops at such a value too."""
+SHORTEST = 1e-60
+"""Shortest step [s]: the coefficients of a cubic through `LARGEST` values then have an exponent."""
+
+
+class Unfit(ValueError):
+    """Samples through which no interpolant goes: the sample `row`, and the `column` of its value.
+
+    `column` is None where the time of the sample is what does not fit.
+    """
+
+    def __init__(self, reason: str, row: int, column: int | None = None) -> None:
+        super().__init__(reason)
+        self.row = row
+        self.column = column
 
 
 @dataclass(frozen=True)
@@ -139,10 +153,12 @@ def fitted(
     times: Values, values: Values, kind: str, *, period: float = 0.0,
     before: str = "hold", after: str = "hold",
 ) -> Track:  # fmt: skip
-    """Track through samples (rows over `times`); `Uneven` where band-limited ones are not even.
+    """Track through samples (rows over `times`), whose times rise.
 
-    With a `period` longer than the record its first row closes it.
+    With a `period` longer than the record its first row closes it. Raises `Unfit` where values or
+    steps are beyond what the polynomials can hold, or uneven steps are to be band-limited.
     """
+    _check_range(times, values, REFINED if kind == "band-limited" else 1)
     if period > (times[-1] - times[0]) * (1.0 + BESIDE):
         times = np.append(times, times[0] + period)
         values = np.vstack([values, values[:1]])
@@ -162,6 +178,25 @@ def fitted(
     grain = BESIDE * float(np.diff(knots).min())
     last = values[-1].copy()
     return Track(knots, pieces, last, period, before, after, sums[0], sums[1], grain)
+
+
+def _check_range(times: Values, values: Values, refined: int) -> None:
+    """Raise `Unfit` for the first sample beyond the range in which an interpolant is calculated."""
+    if not (fits := np.abs(values) <= LARGEST).all():
+        row, column = np.argwhere(~fits)[0]
+        raise Unfit(f"{values[row, column]:.6g} is beyond +-{LARGEST:g}", int(row), int(column))
+    if not (fits := np.abs(times) <= LARGEST).all():
+        row = int(np.argmin(fits))
+        raise Unfit(f"the time, {times[row]:.6g} s, is beyond +-{LARGEST:g} s", row)
+    least = max(SHORTEST, 2.0 * refined * float(np.spacing(np.abs(times).max())))
+    steps = np.diff(times)
+    if not (fits := steps >= least).all():
+        row = int(np.argmin(fits)) + 1
+        raise Unfit(
+            f"t = {times[row]:.17g} s is {steps[row - 1]:.3g} s after the row before; the numbers"
+            f" of a computer tell times {least:.3g} s apart here: let them begin near 0",
+            row,
+        )
 
 
 def _monotone(times: Values, values: Values, periodic: bool) -> NDArray[np.float64]:
@@ -192,9 +227,10 @@ def _band_limited(
     step = (times[-1] - times[0]) / len(steps)
     if np.abs(steps - step).max() > 1e-3 * step:
         k = int(np.argmax(np.abs(steps - step) > 1e-3 * step))
-        raise Uneven(
+        raise Unfit(
             f"samples are {steps[k]:.6g} s apart at t = {times[k]:.6g} s and {step:.6g} s on"
-            ' average: band-limited needs equal steps; choose "cubic"'
+            ' average: band-limited needs equal steps; choose "cubic"',
+            k,
         )
     count = REFINED * len(steps)
     knots = np.linspace(times[0], times[-1], count + 1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import csv
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,22 +10,16 @@ import numpy as np
 
 from ..errors import RecordingError, printable
 from ..units import UnitError, factor
-from .binary_files import read_matlab, read_netcdf, read_parquet
+from .binary_files import FORMATS, read_binary, too_large
 from .columns import Choice
 from .csv_file import PLAIN, read_csv
-from .interpolation import fitted
+from .interpolation import Unfit, fitted
 from .layout import Layout
 from .table import Table, Values
 
 TEXTS = (".csv", ".txt", ".tsv", ".dat", ".asc")
-READERS: dict[str, Callable[[Path, Choice], Table]] = {
-    **dict.fromkeys(TEXTS, read_csv),
-    ".nc": read_netcdf,
-    ".mat": read_matlab,
-    ".parquet": read_parquet,
-}
 LARGEST = 512 << 20
-"""Bytes that a recording may have, unless the scenario sets `memory`."""
+"""Bytes that a recording may have, packed and unpacked, unless the scenario sets `memory`."""
 ALIKE = 0.01
 EVEN = 0.9
 LONG = 1.5
@@ -48,8 +42,8 @@ def read_table(
     they are refused. Raises :class:`RecordingError` with file, line and remedy.
     """
     suffix = path.suffix.lower()
-    if suffix not in READERS:
-        known = ", ".join(READERS)
+    if suffix not in TEXTS and suffix not in FORMATS:
+        known = ", ".join([*TEXTS, *FORMATS])
         raise RecordingError(f"{path}: no format known for {path.suffix!r}; known are {known}")
     if layout != PLAIN and suffix not in TEXTS:
         fields = Layout.__dataclass_fields__
@@ -60,18 +54,17 @@ def read_table(
             raise RecordingError(f"{path}: is a folder, not a recording")
         size = path.stat().st_size
         if size > most:
-            raise RecordingError(
-                f"{path}: has {size} bytes, more than {most}; keep fewer rows or columns, or raise"
-                ' the limit, as memory = "2 GiB"'
-            )
+            raise RecordingError(f"{path}: has {size} bytes, {too_large(most)}")
         if size == 0:
             raise RecordingError(f"{path}: is empty: no headings, no rows")
         if suffix in TEXTS:
             table = read_csv(path, choice, layout)
         else:
-            table = READERS[suffix](path, choice)
+            table = read_binary(path, choice, most)
     except OSError as error:
         raise RecordingError(f"{path}: no such recording ({error.strerror or error})") from None
+    except csv.Error as error:
+        raise RecordingError(f"{path}: is not a table that can be read ({error})") from None
     except ValueError as error:
         raise RecordingError(f"{printable(str(path))}: no such recording ({error})") from None
     if choice.interval:
@@ -108,7 +101,8 @@ def _in_order(table: Table) -> Table:
     if not np.isfinite(times).all():
         k = int(np.argmin(np.isfinite(times)))
         raise RecordingError(f"{table.at(k)}: the time is {times[k]}, which is not a finite number")
-    steps = np.diff(times)
+    with np.errstate(over="ignore"):
+        steps = np.diff(times)
     if not (steps > 0.0).all():
         k = int(np.argmax(steps <= 0.0)) + 1
         fault = "is duplicated" if steps[k - 1] == 0.0 else f"comes after {times[k - 1]:.9g} s"
@@ -123,7 +117,7 @@ def _whole(table: Table, bridge: str) -> Table:
     if over.any() and not bridge:
         k, j = np.argwhere(over)[0]
         raise RecordingError(
-            f"{table.at(k)}: {_heading(table, j)} has {values[k, j]:.4g}, an instrument's mark for"
+            f"{table.at(k, j)} has {values[k, j]:.4g}, an instrument's mark for"
             ' out of range; leave the rows out, or gaps = "bridge" interpolates'
         )
     if over.any():
@@ -131,15 +125,13 @@ def _whole(table: Table, bridge: str) -> Table:
         table = replace(table, values=values)
     if np.isinf(values).any():
         k, j = np.argwhere(np.isinf(values))[0]
-        raise RecordingError(f"{table.at(k)}: {_heading(table, j)} is infinite")
+        raise RecordingError(f"{table.at(k, j)} is infinite")
     missing = np.isnan(values)
     if bridge:
         return _bridged(table, bridge, missing) if missing.any() else table
     if missing.any():
         k, j = np.argwhere(missing)[0]
-        raise RecordingError(
-            f'{table.at(k)}: {_heading(table, j)} has no value; gaps = "bridge" interpolates'
-        )
+        raise RecordingError(f'{table.at(k, j)} has no value; gaps = "bridge" interpolates')
     steps = np.diff(table.times)
     usual = float(np.median(steps))
     if np.mean(np.abs(steps - usual) < ALIKE * usual) >= EVEN and steps.max() > LONG * usual:
@@ -163,13 +155,13 @@ def _bridged(
         if holes[0] or holes[-1]:
             k = 0 if holes[0] else len(holes) - 1
             raise RecordingError(
-                f"{table.at(k)}: {_heading(table, j)} has no value at the end of the recording:"
-                " nothing to bridge to"
+                f"{table.at(k, j)} has no value at the end of the recording: nothing to bridge to"
             )
-        known = fitted(table.times[~holes], values[~holes, j : j + 1], kind)
+        kept = np.flatnonzero(~holes)
+        try:
+            known = fitted(table.times[kept], values[kept, j : j + 1], kind)
+        except Unfit as error:
+            column = None if error.column is None else j
+            raise RecordingError(f"{table.at(int(kept[error.row]), column)}: {error}") from None
         values[holes, j] = [known.at(t)[0][0] for t in table.times[holes]]
     return replace(table, values=values)
-
-
-def _heading(table: Table, j: int) -> str:
-    return f"column {printable(table.columns[j + 1].heading)!r}"

@@ -15,7 +15,7 @@ from ..fmi.description import EVENT, Interface, Variable
 from ..units import UnitError, factor, si_value
 from . import port_law
 from .columns import Choice
-from .interpolation import Track, Uneven, fitted
+from .interpolation import Track, Unfit, fitted
 from .layout import Layout
 from .read import LARGEST, read_table
 from .settings import RecordingSettings
@@ -24,6 +24,8 @@ from .table import Table, Values
 NEVER = 1e30
 TOOL = "recording"
 FIRST = "first"
+LEAST_ROWS = 8
+"""Rows of a cycle from which on its first and last steps tell how it goes on."""
 
 
 @dataclass(frozen=True)
@@ -161,8 +163,8 @@ def _opened(path: Path, settings: str, stamp: tuple[int, int]) -> Recording:
             before=component.before,
             after=component.after,
         )
-    except Uneven as error:
-        raise RecordingError(f"{path}: {error}") from None
+    except Unfit as error:
+        raise RecordingError(f"{table.at(error.row, error.column)}: {error}") from None
     events = _events(track, component, announced)
     variables, sources = _variables(table, bool(events))
     interface = Interface(
@@ -178,6 +180,7 @@ def _opened(path: Path, settings: str, stamp: tuple[int, int]) -> Recording:
         once=False,
         needs_tool=False,
         ours=True,
+        warnings=_seam_warnings(table) if component.repeat is True else (),
     )
     return Recording(
         interface=interface,
@@ -286,6 +289,28 @@ def _without_clocks(table: Table) -> tuple[Table, Values]:
             announced = np.unique(table.values[:, j])
     columns = [table.columns[0], *(table.columns[j + 1] for j in keep)]
     return replace(table, columns=columns, values=table.values[:, keep]), announced
+
+
+def _seam_warnings(table: Table) -> tuple[str, ...]:
+    """A warning where the first row does not repeat the last one, but goes on from it by a step.
+
+    With the first step a and the last step b of each column the next row would be (a + b)/2 beyond
+    the last, to second order in the step. A jump of another size is a discontinuity of the signal.
+    """
+    times, values = table.times, table.values
+    if len(times) < LEAST_ROWS:
+        return ()
+    size = np.ptp(values, axis=0)
+    scaled = values / np.where(size > 0.0, size, 1.0)
+    jump = scaled[0] - scaled[-1]
+    step = 0.5 * (scaled[1] - scaled[0] + scaled[-1] - scaled[-2])
+    if not np.linalg.norm(jump - step) < 0.5 * np.linalg.norm(step):
+        return ()
+    span, last = float(times[-1] - times[0]), float(times[-1] - times[-2])
+    return (
+        f"repeat = true takes the last row for the first of the next cycle, but that row is a step"
+        f' further on: for a cycle of {span + last:.6g} s write repeat = "{span + last:.9g} s"',
+    )
 
 
 def _events(track: Track, component: RecordingSettings, announced: Values) -> tuple[float, ...]:

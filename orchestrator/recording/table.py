@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import printable
+
 Values = NDArray[np.float64]
 TIME = "time"
 
@@ -43,6 +45,10 @@ class Table:
     word: str = "row"
     comments: dict[str, str] = field(default_factory=dict)
 
-    def at(self, k: int) -> str:
-        """Place of a row, to begin an error."""
-        return f"{self.path}: {self.word} {self.rows[k]}"
+    def at(self, k: int, j: int | None = None) -> str:
+        """Place of a row, or of its value in column `j` of `values`, to begin an error.
+
+        Row `len(times)` is the first one again, in a record that is repeated.
+        """
+        row = f"{self.path}: {self.word} {self.rows[k % len(self.rows)]}"
+        return row if j is None else f"{row}: column {printable(self.columns[j + 1].heading)!r}"

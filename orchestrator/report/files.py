@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..errors import OutputError
+
+FULL = 1 << 16
+"""Bytes that are free on a disk that counts as full."""
 
 
 @contextmanager
@@ -32,11 +36,18 @@ def written_whole(
         if durable:
             _synchronise(path.parent)
     except caught as error:
-        reason = getattr(error, "strerror", None) or error
-        raise OutputError(f"{path}: cannot be written ({reason})") from None
+        raise OutputError(f"{path}: cannot be written ({_reason(error, path.parent)})") from None
     finally:
         if path.parent.is_dir():
             waiting.unlink(missing_ok=True)
+
+
+def _reason(error: Exception, folder: Path) -> str:
+    """Why a file cannot be written; netCDF calls a full disk an error of HDF, or of permission."""
+    with suppress(OSError):
+        if shutil.disk_usage(folder).free < FULL:
+            return "the disk is full"
+    return str(getattr(error, "strerror", None) or error)
 
 
 def _synchronise(path: Path) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,23 +15,34 @@ STYLES = {"line": "-", "dashed": "--", "points": "None", "line-points": "-", "st
 MARKERS = "osd^v<>P"
 
 
+@contextmanager
+def standard_settings() -> Iterator[None]:
+    """matplotlib's own settings, whatever a matplotlibrc in the current folder says."""
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.use("Agg")
+        yield
+
+
 def save_figure(
     figure: Any, path: Path, resolution: int, metadata: Mapping[str, Any] | None = None
 ) -> Path:
     """Save a matplotlib figure in the format that its path names, `resolution` in dots per inch.
 
-    Raises `OutputError` where the path cannot be written or does not name a format.
+    Raises `OutputError` where the path cannot be written or does not name a format, and where
+    matplotlib cannot draw what it was given.
     """
-    with written_whole(path, failures=(ValueError,)) as waiting:
+    with written_whole(path, failures=(Exception,)) as waiting:
         figure.savefig(waiting, format=path.suffix[1:].lower(), dpi=resolution, metadata=metadata)
     return path
 
 
+@standard_settings()
 def draw(figure: Figure, paths: Sequence[Path]) -> list[Path]:
     """Draw the plots one below the other into each of the files."""
     import matplotlib
-
-    matplotlib.use("Agg")
     from matplotlib import pyplot
 
     sheet, axes = pyplot.subplots(
@@ -38,8 +50,8 @@ def draw(figure: Figure, paths: Sequence[Path]) -> list[Path]:
     )
     for axis, plot in zip(axes[:, 0], figure.plots, strict=True):
         _panel(axis, plot)
-    sheet.suptitle(_plain(figure.title), fontsize=10)
-    sheet.tight_layout()
+    sheet.suptitle(plain(figure.title), fontsize=10)
+    sheet.set_layout_engine("tight")
     try:
         for path in paths:
             with matplotlib.rc_context({"svg.hashsalt": figure.key}):
@@ -56,10 +68,10 @@ def _panel(axis: Any, plot: Plot) -> None:
         if curve.style == "stated":
             marker, colour = "x", "k"
         axis.plot(
-            list(curve.x), list(curve.y), ls=STYLES[curve.style], label=_plain(curve.name), lw=1.3,
+            list(curve.x), list(curve.y), ls=STYLES[curve.style], label=plain(curve.name), lw=1.3,
             color=colour, marker=marker, ms=6 if curve.style == "stated" else 4,
         )  # fmt: skip
-    axis.set_title(_plain(plot.title), fontsize=9)
+    axis.set_title(plain(plot.title), fontsize=9)
     _scaled(axis.set_xlabel, axis.set_xscale, axis.set_xlim, plot.x)
     _scaled(axis.set_ylabel, axis.set_yscale, axis.set_ylim, plot.y)
     axis.grid(visible=True, alpha=0.3)
@@ -68,14 +80,14 @@ def _panel(axis: Any, plot: Plot) -> None:
 
 
 def _scaled(label: Any, scale: Any, limits: Any, axis: Axis) -> None:
-    label(_plain(axis.label))
+    label(plain(axis.label))
     if axis.log:
         scale("log")
     if axis.least is not None or axis.most is not None:
         limits(axis.least, axis.most)
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Foreign text, escaped, also the dollars between which matplotlib reads formulas."""
     return printable(text).replace("$", r"\$")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import KeptWarning, OutputError
+from ..scenario.files import is_file
 from .scenario_attribute import NAMES
 
 IDENTITY = ("fmu_sha256", "points")
@@ -50,7 +51,7 @@ def digest(attributes: Mapping[str, Any]) -> str:
 
 def _attributes(path: Path) -> dict[str, Any]:
     """Attributes of a result; empty where there is none to read, or no scenario in it."""
-    if not path.is_file():
+    if not is_file(path):
         return {}
     import netCDF4
 

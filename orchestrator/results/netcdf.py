@@ -7,10 +7,10 @@ A file is written beside its place and renamed at the end. An incomplete run lea
 from __future__ import annotations
 
 import functools
-import hashlib
 import json
 import re
 import tempfile
+import unicodedata
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from itertools import chain
@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, OutputError
 from ..report.files import written_whole
+from ..scenario.files import is_file
 from ..scenario.plan import Plan
-from .segments import Column, Segments, assemble, folder_of, found
+from .segments import Column, Segments, assemble, folder_of, found, taken
 
 if TYPE_CHECKING:
     import xarray
@@ -59,7 +60,7 @@ def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Co
         safe = netcdf_name(name)
         if safe != name:
             noted["original_name"] = name
-        if safe in taken:
+        while safe in taken:
             safe = f"{safe}_{index}"
         taken.add(safe)
         made.append(Column(safe, noted))
@@ -67,8 +68,9 @@ def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Co
 
 
 def netcdf_name(name: str) -> str:
-    """A name that netCDF takes: characters that it does not take become `_`."""
-    kept = "".join("_" if c == "/" or not c.isprintable() else c for c in name)
+    """A name that netCDF takes, composed as it composes names; other characters become `_`."""
+    composed = unicodedata.normalize("NFC", name)
+    kept = "".join("_" if c == "/" or not c.isprintable() else c for c in composed)
     short = kept.encode()[:200].decode(errors="ignore")
     return re.sub(r"^[^A-Za-z0-9_]|\s+$", "_", short)
 
@@ -87,15 +89,12 @@ def release() -> str:
 def provenance(plan: Plan) -> dict[str, Any]:
     """What a run is made of, as netCDF attributes, known before it starts."""
     digests = {name: interface.guid for name, interface in plan.interfaces.items()}
-    paths = {interface.path for interface in plan.interfaces.values()}
-    hashes = {path: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
-    archives = {name: hashes[interface.path] for name, interface in plan.interfaces.items()}
     return {
         "title": plan.scenario.title,
         "scenario": plan.scenario.model_dump_json(by_alias=True),
         "scenario_file": str(plan.path),
         "fmu_guids": json.dumps(digests),
-        "fmu_sha256": json.dumps(archives),
+        "fmu_sha256": json.dumps(plan.digests),
         "resilin_version": release(),
         "master": plan.scenario.master.kind,
         "laws": plan.scenario.master.laws,
@@ -136,7 +135,7 @@ def opened_file(path: Path) -> Iterator[xarray.Dataset]:
     """A netCDF file to read, a run's or a sweep's; `InputError` where it is not one."""
     import xarray
 
-    if not path.is_file():
+    if not is_file(path):
         raise InputError(f"{path}: no such result; resilin run makes one")
     try:
         data = xarray.open_dataset(path, engine="netcdf4")
@@ -168,12 +167,17 @@ def partial_path(path: Path) -> Path:
 
 
 def prepare(path: Path) -> None:
-    """Check that a result can be written to `path`, before any work is done for it."""
+    """Check that a result can be written to `path`, before any work is done for it.
+
+    Raises `OutputError` where it cannot, also where an earlier run has left segments there.
+    """
     if path.suffix != ".nc":
         raise OutputError(f"{path}: results are netCDF files; name it *.nc")
     try:
         if path.is_dir():
             raise OutputError(f"{path}: is a folder; name a file")
+        if folder_of(path).exists():
+            raise taken(folder_of(path))
         path.parent.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
@@ -185,42 +189,73 @@ def prepare(path: Path) -> None:
         raise OutputError(f"{path.parent}: not writable ({error.strerror})") from None
 
 
-def clear(path: Path) -> None:
-    """Remove an earlier result and an earlier partial one, before a run writes a new one."""
-    path.unlink(missing_ok=True)
-    partial_path(path).unlink(missing_ok=True)
-
-
 def write(outcome: Outcome, path: Path) -> Path:
-    """Write an outcome to `path`, or beside it as partial where it is not complete."""
+    """Write an outcome to `path`, or beside it as partial where it is not complete.
+
+    An earlier result stays until a new one is whole, which takes its place and that of an earlier
+    partial one. Segments stay where they cannot be put together; `OutputError` then names them.
+    """
     target = path if outcome.failure is None else partial_path(path)
-    pieces = outcome.segments.pieces() if outcome.segments else iter(())
-    _assembled(
-        target,
-        columns(outcome.plan, outcome.estimates),
-        attributes(outcome),
-        chain(pieces, [(outcome.times, outcome.rows)]),
-    )
-    if outcome.segments is not None:
-        outcome.segments.remove()
+    segments = outcome.segments
+    pieces = segments.pieces() if segments else iter(())
+    try:
+        _assembled(
+            target,
+            columns(outcome.plan, outcome.estimates),
+            attributes(outcome),
+            chain(pieces, [(outcome.times, outcome.rows)]),
+        )
+    except OutputError as error:
+        raise OutputError(_unwritten(outcome, error)) from None
+    if segments:
+        segments.remove()
+    if outcome.failure is None:
+        partial_path(path).unlink(missing_ok=True)
     return target
 
 
-def recover(folder: Path) -> tuple[Path, int]:
-    """Make a partial result of the segments of a killed run; its path and number of rows."""
+def _unwritten(outcome: Outcome, error: OutputError) -> str:
+    """Why there is no file of an outcome, and where those of its rows are that are on the disk."""
+    text = f"{outcome.failure}; {error}" if outcome.failure is not None else str(error)
+    if not outcome.segments:
+        return text
+    folder = outcome.segments.folder
+    outcome.segments.lock.release()
+    return (
+        f"{text}; {outcome.segments.rows} rows are in {folder}: make room, then"
+        f" `resilin recover {folder}` makes a file of them"
+    )
+
+
+def recover(folder: Path) -> tuple[Path, int, list[str]]:
+    """Make a partial result of the segments of a killed run.
+
+    Its path, its number of rows, and the names of damaged segments, whose rows are lost; the folder
+    stays where there are any. Raises `InputError` where no segment can be read, and while the run
+    is alive.
+    """
     left = found(folder)
-    target = partial_path(folder.with_name(folder.name.removesuffix(".segments") + ".nc"))
-    rows = 0
+    try:
+        lost = [name for name in left.digests if not left.is_whole(name)]
+        for name in lost:
+            del left.digests[name]
+        if not left.digests:
+            raise InputError(f"{folder}: no segment is whole: {', '.join(lost) or 'there is none'}")
+        target = partial_path(folder.with_name(folder.name.removesuffix(".segments") + ".nc"))
+        rows = 0
 
-    def counted() -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        nonlocal rows
-        for times, values in left.pieces():
-            rows += len(times)
-            yield times, values
+        def counted() -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+            nonlocal rows
+            for times, values in left.pieces():
+                rows += len(times)
+                yield times, values
 
-    _assembled(target, left.columns, left.attributes, counted())
-    left.remove()
-    return target, rows
+        _assembled(target, left.columns, left.attributes, counted())
+        if not lost:
+            left.remove()
+    finally:
+        left.lock.release()
+    return target, rows, lost
 
 
 def _assembled(

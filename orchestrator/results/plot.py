@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, nearest
-from ..report.image import save_figure
+from ..report.image import plain, save_figure, standard_settings
 from ..units import UnitError, factor
 from .outcome import Outcome
 from .recorded import Recorded, recorded
@@ -27,6 +27,7 @@ STYLES = ("-", "--", ":", "-.")
 """Lines of the runs that are drawn over each other."""
 
 
+@standard_settings()
 def draw(
     source: Recorded | Outcome | xarray.Dataset,
     path: Path,
@@ -68,12 +69,12 @@ def overlay(
         for style, (run, data) in zip(cycle(STYLES), runs.items()):
             shown = _shown(data.times, begin, end)
             _curves(axis, run, data, shown, unit, names, style)
-        axis.set_ylabel(_plain(label), fontsize=8)
+        axis.set_ylabel(plain(label), fontsize=8)
         axis.grid(visible=True, alpha=0.3)
         if len(names) * len(runs) > 1:
             axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axes[-1, 0].set_xlabel("Time (s)")
-    figure.suptitle(_plain(first.title if len(runs) == 1 else ", ".join(runs)))
+    figure.suptitle(plain(first.title if len(runs) == 1 else ", ".join(runs)))
     return save_figure(figure, path, 110)
 
 
@@ -135,9 +136,5 @@ def _curves(
         if name not in data.series:
             continue
         values = _scale(data.units[name], unit) * data.series[name][shown]
-        label = _plain(f"{name}, {run}" if run else name)
+        label = plain(f"{name}, {run}" if run else name)
         axis.plot(data.times[shown], values, style, color=f"C{k % 10}", label=label, lw=1.2)
-
-
-def _plain(text: str) -> str:
-    return text.replace("$", r"\$")

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, RecordingError, printable
+from ..recording.binary_process import BinaryFile, opened
+from ..scenario.files import is_file
 from .outcome import Outcome
 from .scenario_attribute import scenario_table
 
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
     import xarray
 
 Values = NDArray[np.float64]
+MOST_PACKED = 1100
+"""Bytes of values that one byte of a result stands for at most: deflate packs 1032 into one."""
 
 
 @dataclass(frozen=True)
@@ -91,30 +95,43 @@ def _metric_errors(attributes: Mapping[str, Any]) -> dict[str, float]:
 
 
 def read_recorded(path: Path) -> Recorded:
-    """The series of a result file, all in memory; `InputError` where it cannot be read."""
-    import netCDF4
+    """The series of a result file, all in memory.
 
+    Raises `InputError` where there is none, where it is not a result, or where a variable of it
+    is damaged.
+    """
+    if not is_file(path):
+        raise InputError(
+            f"{printable(str(path), most=1000)}: no such result; resilin run makes one"
+        )
+    most = MOST_PACKED * path.stat().st_size
     try:
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_mask(False)
-            attributes = {name: file.getncattr(name) for name in file.ncattrs()}
-            variables = {
-                str(v.getncattr("original_name") if "original_name" in v.ncattrs() else name): v
-                for name, v in file.variables.items()
-                if name != "time"
-            }
-            return Recorded(
-                times=np.asarray(file["time"][:], dtype=float),
-                series={name: np.asarray(v[:], dtype=float) for name, v in variables.items()},
-                units={
-                    name: str(v.getncattr("units")) if "units" in v.ncattrs() else ""
-                    for name, v in variables.items()
-                },
-                title=str(attributes.get("title", "")),
-                frequency=float(attributes.get("frequency", 0.0)),
-                metrics=scenario_table(attributes, "metrics"),
-                plot=scenario_table(attributes, "plot"),
-                metric_errors=_metric_errors(attributes),
-            )
-    except (OSError, RuntimeError, IndexError, ValueError) as error:
-        raise InputError(f"{path}: not a result that can be read ({error})") from None
+        with opened(path, "netCDF", most) as file:
+            return _of_file(path, file, most)
+    except RecordingError as error:
+        raise InputError(error.problems) from None
+
+
+def _of_file(path: Path, file: BinaryFile, most: int) -> Recorded:
+    places = {column.name: k for k, column in enumerate(file.columns)}
+    rows = file.columns[places["time"]].rows if "time" in places else 0
+    if not rows:
+        raise InputError(f"{path}: holds no rows over time")
+    if len(places) * rows * np.dtype(float).itemsize > most:
+        raise InputError(f"{path}: not a result: too small for the {rows} rows that it declares")
+    times = file.values(places.pop("time"))
+    kept = {name: k for name, k in places.items() if file.columns[k].rows == rows}
+    try:
+        frequency = float(file.attributes.get("frequency", 0.0))
+    except ValueError:
+        frequency = 0.0
+    return Recorded(
+        times=times,
+        series={name: file.values(k) for name, k in kept.items()},
+        units={name: file.columns[k].unit for name, k in kept.items()},
+        title=file.attributes.get("title", ""),
+        frequency=frequency,
+        metrics=scenario_table(file.attributes, "metrics"),
+        plot=scenario_table(file.attributes, "plot"),
+        metric_errors=_metric_errors(file.attributes),
+    )

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, OutputError
 from ..report.files import written_whole
+from .lock import Lock
 
 Values = NDArray[np.float64]
 MANIFEST = "manifest.json"
@@ -45,55 +46,79 @@ class Segments:
         self.attributes = dict(attributes)
         self.digests: dict[str, str] = {}
         self.rows = 0
+        self.lock = Lock(folder)
 
     def __bool__(self) -> bool:
         return bool(self.digests)
 
     def write(self, times: Values, rows: Values) -> None:
-        """Close one more segment; `OutputError` where the disk does not take it."""
+        """Close one more segment; `OutputError` where the disk does not take it.
+
+        The segments before it stay as they are.
+        """
         name = f"{len(self.digests):06d}.nc"
         path = self.folder / name
         if not self.digests:
             self._claim()
-        with written_whole(path, durable=True) as waiting:
-            _write_piece(waiting, times, rows)
-            self.digests[name] = _digest(waiting)
+        try:
+            with written_whole(path, durable=True, failures=(RuntimeError,)) as waiting:
+                _write_piece(waiting, times, rows)
+                digest = _digest(waiting)
+            self._note({**self.digests, name: digest})
+        except OutputError:
+            path.unlink(missing_ok=True)
+            if not self.digests:
+                self.remove()
+            raise
+        self.digests[name] = digest
         self.rows += len(times)
-        self._note()
 
     def _claim(self) -> None:
-        """Make the folder; one that exists belongs to another run, running or killed."""
+        """Make the folder, and hold it while this process lives."""
         try:
             self.folder.mkdir(parents=True)
+            self.lock.take()
         except FileExistsError:
-            raise OutputError(
-                f"{self.folder}: holds the rows of another run; if that one is over,"
-                f" `resilin recover {self.folder}` makes a file of them"
-            ) from None
+            raise taken(self.folder) from None
         except OSError as error:
             raise OutputError(f"{self.folder}: cannot be made ({error.strerror})") from None
 
-    def _note(self) -> None:
+    def _note(self, digests: Mapping[str, str]) -> None:
         """Bring the manifest up to date; the file is whole at any time."""
         columns = [[column.name, dict(column.attributes)] for column in self.columns]
-        text = json.dumps(
-            {"segments": self.digests, "columns": columns, "attributes": self.attributes}
-        )
+        text = json.dumps({"segments": digests, "columns": columns, "attributes": self.attributes})
         with written_whole(self.folder / MANIFEST) as waiting:
             waiting.write_text(text, encoding="utf-8")
 
     def pieces(self) -> Iterator[tuple[Values, Values]]:
         """Times and rows of each segment, checked against its digest."""
-        for name, digest in self.digests.items():
-            path = self.folder / name
-            if not path.is_file() or _digest(path) != digest:
-                raise InputError(f"{path}: is not what was written; its rows are lost")
-            yield _read_piece(path)
+        for name in self.digests:
+            if not self.is_whole(name):
+                raise InputError(
+                    f"{self.folder / name}: is not what was written; its rows are lost"
+                )
+            yield _read_piece(self.folder / name)
+
+    def is_whole(self, name: str) -> bool:
+        """Whether a segment is there, as it was written."""
+        path = self.folder / name
+        try:
+            return path.is_file() and _digest(path) == self.digests[name]
+        except OSError:
+            return False
 
     def remove(self) -> None:
         """Remove the folder, once its rows are elsewhere."""
-        if self.digests:
-            shutil.rmtree(self.folder, ignore_errors=True)
+        self.lock.release()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def taken(folder: Path) -> OutputError:
+    """What is wrong where the folder for the segments of a run is there before it."""
+    return OutputError(
+        f"{folder}: holds the rows of another run; if that one is over,"
+        f" `resilin recover {folder}` makes a file of them"
+    )
 
 
 def folder_of(path: Path) -> Path:
@@ -102,13 +127,21 @@ def folder_of(path: Path) -> Path:
 
 
 def found(folder: Path) -> Segments:
-    """Segments that a killed run has left; `InputError` where there are none."""
+    """Segments that a killed run has left, held by this process.
+
+    Raises `InputError` where there are none, and where their run is alive.
+    """
+    lock = Lock(folder)
     try:
+        if not lock.take():
+            raise InputError(f"{folder}: its run is still alive; stop it first, or let it end")
         known = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
         columns = [Column(name, noted) for name, noted in known["columns"]]
         segments = Segments(folder, columns, known["attributes"])
         segments.digests = dict(known["segments"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        segments.lock = lock
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        lock.release()
         raise InputError(f"{folder}: no segments of a run here ({error})") from None
     return segments
 

@@ -10,6 +10,7 @@ from ..report.notebook import Card, of_terminal
 from .connections import Connection
 from .execution_order import reachable
 from .plan import Plan
+from .schema import AUTO
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -25,10 +26,10 @@ def tables(plan: Plan) -> list[Table]:
 def card(plan: Plan) -> Card:
     """The same for a notebook, all but the components folded away."""
     first, *more = (of_terminal(table) for table in tables(plan))
-    master, grid = plan.scenario.master, plan.grid
+    master = plan.scenario.master
     lines = [
         f"{plan.path}",
-        f"{grid.count} steps of {grid.step:.4g} s by {master.kind}, laws: {master.laws}",
+        f"{_steps(plan)} by {master.kind}, laws: {master.laws}",
     ]
     if plan.step_reason:
         lines.append(f"auto: {plan.step_reason}")
@@ -46,6 +47,7 @@ def facts(plan: Plan) -> dict[str, Any]:
                 "fmu": str(known.path),
                 "guid": known.guid,
                 "fmi": known.version,
+                "isolated": is_isolated(plan, name),
                 "rollback": known.rollback,
                 "variable_step": known.variable_step,
                 "ports": known.ports(),
@@ -75,11 +77,28 @@ def facts(plan: Plan) -> dict[str, Any]:
         "time": {
             "start": plan.grid.start,
             "stop": plan.grid.stop,
-            "step": plan.grid.step,
-            "steps": plan.grid.count,
+            "step": AUTO if _is_open(plan) else plan.grid.step,
+            "steps": None if _is_open(plan) else plan.grid.count,
             "frequency": plan.frequency,
         },
     }
+
+
+def is_isolated(plan: Plan, name: str) -> bool:
+    """Whether a component runs in a process of its own, as far as is known before it is loaded."""
+    asked = plan.scenario.components[name].isolate
+    return not plan.interfaces[name].ours if asked is None else asked
+
+
+def _is_open(plan: Plan) -> bool:
+    """Whether trials have still to find the step, which need the FMUs loaded."""
+    return plan.scenario.time.step == AUTO
+
+
+def _steps(plan: Plan) -> str:
+    if _is_open(plan):
+        return "steps that a run chooses"
+    return f"{plan.grid.count} steps of {plan.grid.step:.4g} s"
 
 
 def loops(plan: Plan) -> list[list[str]]:
@@ -97,7 +116,14 @@ def _components(plan: Plan) -> Table:
     from rich.table import Table
 
     table = Table(
-        "component", "FMU", "GUID", "rollback", "ports", "start values", title="components"
+        "component",
+        "FMU",
+        "GUID",
+        "process",
+        "rollback",
+        "ports",
+        "start values",
+        title="components",
     )
     for name in plan.order:
         interface = plan.interfaces[name]
@@ -109,6 +135,7 @@ def _components(plan: Plan) -> Table:
             name,
             interface.path.name,
             interface.guid[:8],
+            "its own" if is_isolated(plan, name) else "the master's",
             "yes" if interface.rollback else "no",
             ", ".join(interface.ports()),
             ", ".join(starts),
@@ -179,7 +206,9 @@ def _time(plan: Plan) -> Table:
     table = Table("start", "stop", "step", "steps", "frequency", "recorded", title="time")
     frequency = f"{plan.frequency:g} Hz" if plan.frequency else "none"
     table.add_row(
-        f"{grid.start:g} s", f"{grid.stop:g} s", f"{grid.step:.6g} s", str(grid.count),
+        f"{grid.start:g} s", f"{grid.stop:g} s",
+        "auto" if _is_open(plan) else f"{grid.step:.6g} s",
+        "a run chooses" if _is_open(plan) else str(grid.count),
         frequency, f"{len(plan.records)} variables",
     )  # fmt: skip
     return table

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import FmuError, Problems, RecordingError, nearest, printable
+from ..fmi.built import digest_of, is_built_here
 from ..fmi.description import Interface, Variable, read_interface
 from ..fmi.instance.base import Limits
 from ..units import UnitError, si_value
@@ -33,6 +34,10 @@ if TYPE_CHECKING:
 
 HARDLY = 0.01
 """Share of a run in which a recording has to have rows."""
+NOT_BUILT_HERE = (
+    "names Resilin as its tool, but was not built on this machine: it runs in a process of its own,"
+    " as a foreign FMU does; `resilin build` makes parts that run faster"
+)
 
 
 @dataclass(frozen=True)
@@ -42,7 +47,8 @@ class Plan:
     `limits` holds for isolated instances; `keep_from` is the time [s] from which rows are kept;
     `step_reason` is the reason for the step where the scenario left it open. `recordings` take the
     place of parts; `dropped` lists what the scenario loses by that, and by other FMUs in the place
-    of those of a base scenario.
+    of those of a base scenario. `digests` are the SHA-256 of the components' files, taken when they
+    were checked.
     """
 
     scenario: Scenario
@@ -62,6 +68,7 @@ class Plan:
     step_reason: str = ""
     recordings: dict[str, Recording] = field(default_factory=dict)
     dropped: list[str] = field(default_factory=list)
+    digests: dict[str, str] = field(default_factory=dict)
 
     @property
     def leading(self) -> list[str]:
@@ -93,6 +100,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     recordings = _recordings(scenario, path, problems)
     interfaces = _interfaces(scenario, path, library, recordings, problems)
     problems.check()
+    digests = _digests(interfaces)
     whole = scenario
     scenario, dropped = substituted(scenario, interfaces, _replays(interfaces), problems)
     starts = starts_of(scenario, interfaces, problems, dropped)
@@ -134,6 +142,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
         keep_from=keep_from,
         recordings=recordings,
         dropped=dropped,
+        digests=digests,
     )
     _check_even(plan, problems)
     problems.check()
@@ -217,11 +226,17 @@ def fmu_path(name: str, scenario: Path, library: Path) -> Path:
 
 
 def interface_of(name: str, scenario: Path, library: Path) -> Interface:
-    """Interface of a part by its name or of an FMU by its path; `FmuError` where there is none."""
+    """Interface of a part by its name or of an FMU by its path; `FmuError` where there is none.
+
+    Of an FMU that says it is ours but has not been built here, `ours` is false.
+    """
     file = fmu_path(name, scenario, library)
     if not (name.endswith(".fmu") or "/" in name) and not is_file(file):
         raise FmuError(missing_part(name, file.parent))
-    return read_interface(file)
+    known = read_interface(file)
+    if known.ours and not is_built_here(digest_of(file)):
+        return replace(known, ours=False, warnings=(NOT_BUILT_HERE, *known.warnings))
+    return known
 
 
 def _recordings(scenario: Scenario, path: Path, problems: Problems) -> dict[str, Recording]:
@@ -269,6 +284,13 @@ def _beside_the_run(
             interface = recording.interface
             doubtful[name] = replace(interface, warnings=(*interface.warnings, text))
     return doubtful
+
+
+def _digests(interfaces: dict[str, Interface]) -> dict[str, str]:
+    """SHA-256 of the file of each component, each file read once."""
+    files = {known.path for known in interfaces.values()}
+    digests = {path: digest_of(path) for path in files}
+    return {name: digests[known.path] for name, known in interfaces.items()}
 
 
 def _replays(interfaces: dict[str, Interface]) -> list[str]:

@@ -28,6 +28,21 @@ def load(
     return planned(*load_scenario(scenario, changes, **options), library)
 
 
+def unloaded(
+    scenario: str | Path,
+    changes: dict[str, str] | None = None,
+    library: Path = LIBRARY,
+    **options: Any,
+) -> Plan:
+    """The same without loading any FMU: a step that trials are to find stays open.
+
+    Its grid is then that of the first trial. Raises `ScenarioError` with every problem.
+    """
+    plan = check(*load_scenario(scenario, changes, **options), library)
+    _unsuited(plan).check()
+    return plan
+
+
 def planned(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     """Checked plan of a scenario from a file at `path`, whose master is able to step it."""
     plan = check(scenario, path, library)

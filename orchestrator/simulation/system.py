@@ -17,6 +17,7 @@ import numpy as np
 
 from ..errors import FmuError, InitialisationError, InstanceFailure, SimulationError
 from ..fmi.archive import extract
+from ..fmi.built import digest_of
 from ..fmi.description import EVENT, Variable
 from ..fmi.instance import Instance, open_instance
 from ..scenario.actions import Action
@@ -160,7 +161,7 @@ class System:
             return RecordingInstance(name, plan.recordings[name])
         interface = plan.interfaces[name]
         if interface.path not in folders:
-            folders[interface.path] = self._unpacked(interface.path)
+            folders[interface.path] = self._unpacked(interface.path, plan.digests[name])
         isolate = plan.scenario.components[name].isolate
         if isolate is None and interface.once:
             alike = [n for n, other in plan.interfaces.items() if other is interface]
@@ -173,7 +174,8 @@ class System:
         folder = self.plan.path.resolve().parent
         return folder if folder.is_dir() else Path.cwd()
 
-    def _unpacked(self, path: Path) -> Path:
+    def _unpacked(self, path: Path, digest: str) -> Path:
+        """Folder with the content of an FMU, which has to be the one that the plan was made of."""
         try:
             made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
         except OSError as error:
@@ -185,6 +187,8 @@ class System:
         if "%" in str(folder):
             raise FmuError(f"{path}: FMUs do not load from {folder}; set TMPDIR to one without %")
         extract(path, folder)
+        if digest_of(path) != digest:
+            raise FmuError(f"{path}: has changed since the scenario was loaded; load it again")
         return folder
 
     def _connect(self, instances: dict[str, Instance]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, printable
-from ..report.image import save_figure
+from ..report.image import plain, save_figure, standard_settings
 from ..results.netcdf import netcdf_name
 from ..results.scenario_attribute import scenario_table
 from ..scenario.metric_expression import expression_of
@@ -44,7 +44,7 @@ def beside(path: Path, drive: float) -> Beside:
     import xarray
 
     try:
-        with xarray.open_dataset(path) as data:
+        with xarray.open_dataset(path, decode_times=False) as data:
             axes = [str(c) for c in data.coords if str(c).rpartition(".")[2] == "frequency"]
             if len(axes) != 1:
                 raise InputError(f"{path}: is not a sweep over one frequency")
@@ -55,8 +55,11 @@ def beside(path: Path, drive: float) -> Beside:
             }
             lags = np.asarray(data[phase], float) if phase else None
             return Beside(np.asarray(data[axes[0]], float), found, lags, path.name)
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError(f"{path}: cannot be read as a sweep ({error})") from None
+    except InputError:
+        raise
+    except Exception as error:  # of the library, or of what it makes of a damaged file
+        reason = printable(str(error))
+        raise InputError(f"{path}: cannot be read as a sweep ({reason})") from None
 
 
 def _measured(data: xarray.Dataset) -> tuple[dict[str, str], str]:
@@ -79,6 +82,7 @@ def _measured(data: xarray.Dataset) -> tuple[dict[str, str], str]:
     return swings, phase
 
 
+@standard_settings()
 def draw(
     system: Linear, path: Path, frequency: float | None = None, swept: Beside | None = None
 ) -> Path:
@@ -86,9 +90,6 @@ def draw(
 
     `frequency` [Hz], where a scenario has one, is marked; `swept` is drawn as points.
     """
-    import matplotlib
-
-    matplotlib.use("Agg")
     from matplotlib import pyplot
 
     nyquist = 0.5 / system.step
@@ -101,13 +102,13 @@ def draw(
             curve = response[row, column]
             if not np.any(curve):
                 continue
-            label = printable(f"{source} to {name}").replace("$", r"\$")
+            label = plain(f"{source} to {name}")
             axes[0].loglog(frequencies, np.abs(curve), label=label)
             axes[1].semilogx(frequencies, np.degrees(np.unwrap(np.angle(curve))))
     if swept is not None:
         for name in system.outputs[:MOST]:
             if (found := swept.amplitudes.get(name)) is not None:
-                label = printable(f"{name}, {swept.name}").replace("$", r"\$")
+                label = plain(f"{name}, {swept.name}")
                 axes[0].loglog(swept.frequencies, found, "o", ms=3, label=label)
         if swept.lags is not None:
             axes[1].semilogx(swept.frequencies, -np.degrees(swept.lags), "o", ms=3)
@@ -118,7 +119,7 @@ def draw(
         if frequency:
             axis.axvline(frequency, color="k", ls=":", lw=0.8)
     axes[0].legend(fontsize=7)
-    figure.tight_layout()
+    figure.set_layout_engine("tight")
     try:
         return save_figure(figure, path, 110)
     finally:

@@ -18,6 +18,7 @@ import numpy as np
 from ...errors import FmuError, InstanceFailure, printable
 from ..description import Interface, Variable
 from .base import Instance, Limits, Values
+from .keeper import KEEPER
 from .protocol import STEP, Garbled, Gone, command, read_answer, write_all
 
 KEPT_OUTPUT = 4000
@@ -101,7 +102,7 @@ class IsolatedInstance(Instance):
 
     def _end_of_process(self) -> str:
         """How the process ended, which has closed its pipe; the watch kills one that runs on."""
-        code = self._process.wait()
+        code = _ended(self._process)
         if self._watch.fired:
             end = f"no answer within {self._watch.patience:g} s; its process was stopped"
         elif code < 0:
@@ -195,18 +196,16 @@ class IsolatedInstance(Instance):
         """End the process by a command or, where that fails, by force. No orphan is left."""
         process = self._process
         try:
-            if process.poll() is None and not self._lost:
+            if not self._lost:
                 self._watch.patience = min(CLOSING_TIME, self._limits.patience)
                 self._ask(b"q", None, "closing")
                 self._lost = True
-                process.stdin.close()  # type: ignore[union-attr]
-                process.wait(CLOSING_TIME)
-        except (InstanceFailure, FmuError, OSError, subprocess.TimeoutExpired) as error:
+        except (InstanceFailure, FmuError, OSError) as error:
             self.log(0, str(error))
         finally:
             self._lost = True
             _kill(process)
-            process.wait()
+            _ended(process)
             self._watch.stop()
             self._output_tail.stop()
             for stream in (process.stdin, process.stdout):
@@ -218,8 +217,8 @@ def _started(folder: Path) -> subprocess.Popen[bytes]:
     """A process for one instance, which imports this package from where this process has it."""
     here = str(Path(__file__).resolve().parents[3])
     path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH", "")]))
-    return subprocess.Popen(
-        [sys.executable, "-P", "-m", "orchestrator.fmi.instance.isolated_child", str(os.getpid())],
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", "orchestrator.fmi.instance.isolated_child"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -227,16 +226,39 @@ def _started(folder: Path) -> subprocess.Popen[bytes]:
         env={**os.environ, "PYTHONPATH": path},
         start_new_session=True,
     )
+    if KEEPER is not None:
+        try:
+            KEEPER.add(process.pid)
+        except OSError:
+            _kill(process)
+            process.wait()
+            raise
+    return process
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
-    """Kill a process that has not ended, and what it has started."""
-    if process.poll() is None:
+    """Kill a process and what it has started, unless it has been reaped: its group is its own."""
+    if process.returncode is None:
         with suppress(ProcessLookupError):
             if hasattr(os, "killpg"):
                 os.killpg(process.pid, signal.SIGKILL)
             else:
                 process.kill()
+
+
+def _ended(process: subprocess.Popen[bytes]) -> int:
+    """Exit code of a process, waited for; what it has started and left behind is killed.
+
+    Until it is reaped the number of its group cannot be that of another.
+    """
+    if process.returncode is None and hasattr(os, "waitid"):
+        with suppress(ChildProcessError):
+            os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+        _kill(process)
+    code = process.wait()
+    if KEEPER is not None:
+        KEEPER.remove(process.pid)
+    return code
 
 
 def _largest_child() -> float:

@@ -1,8 +1,8 @@
 """The process of an isolated instance: one FMU instance behind a pipe.
 
 Started as `python -m orchestrator.fmi.instance.isolated_child` with the pipe as standard input
-and output; what the FMU itself prints goes to standard error. It ends when the pipe does, or when
-its parent has ended.
+and output; what the FMU itself prints goes to standard error. It ends when the pipe does; one that
+hangs then is ended by the keeper of its master.
 """
 
 from __future__ import annotations
@@ -10,10 +10,7 @@ from __future__ import annotations
 import importlib
 import json
 import os
-import signal
 import sys
-import threading
-import time
 from pathlib import Path
 from typing import Any
 
@@ -146,22 +143,12 @@ def _limit_memory(most: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _follow(parent: int) -> None:
-    """End this process and what it has started when its parent is gone, whatever the FMU does."""
-    while os.getppid() == parent:
-        time.sleep(0.5)
-    if hasattr(os, "killpg") and os.getpgrp() == os.getpid():
-        os.killpg(0, signal.SIGKILL)
-    os._exit(1)
-
-
 def main() -> None:
     """Take the pipe off the standard streams and serve."""
     commands, answers = os.dup(0), os.dup(1)
     null = os.open(os.devnull, os.O_RDONLY)
     os.dup2(null, 0)
     os.dup2(2, 1)
-    threading.Thread(target=_follow, args=(int(sys.argv[1]),), daemon=True).start()
     try:
         Host().serve(commands, answers)
     except Gone:

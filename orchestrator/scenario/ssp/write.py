@@ -20,6 +20,7 @@ from ...fmi.archive import STRUCTURE
 from ...fmi.description import Variable
 from ...report.files import written_whole
 from ..plan import Plan
+from ..schema import AUTO
 from .names import ANNOTATION, FMU, NAMESPACES, tag
 from .units import _defined, _units
 
@@ -117,6 +118,8 @@ def _remarks(package: Package) -> Iterator[str]:
         )
     if plan.actions:
         yield f"{len(plan.actions)} timed actions: SSP has none, other tools do not carry them out"
+    if plan.scenario.time.step == AUTO:
+        yield 'step = "auto" is for runs here: give other tools a step of their own'
     if plan.faults:
         yield f"{len(plan.faults)} injected faults: SSP has none, other tools do not inject them"
     if any(c.input.order for c in plan.connections):
@@ -184,7 +187,8 @@ def _description(package: Package, sources: Mapping[str, tuple[str, Path]]) -> E
     experiment = SubElement(root, tag("ssd:DefaultExperiment"))
     experiment.set("startTime", repr(plan.grid.start))
     experiment.set("stopTime", repr(plan.grid.stop))
-    _step(experiment, plan)
+    if plan.scenario.time.step != AUTO:
+        _step(experiment, plan)
     annotations = SubElement(root, tag("ssd:Annotations"))
     SubElement(annotations, tag("ssc:Annotation"), type=ANNOTATION).append(_annotation(plan))
     return root

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...errors import printable
-from ...report.image import save_figure
+from ...report.image import plain, save_figure, standard_settings
 from ..output_files import write_records
 from .study import TARGETS, MeasuredRun, Study
 
@@ -95,11 +95,9 @@ def write(study: Study, path: Path) -> Path:
     return write_records(facts(study), path)
 
 
+@standard_settings()
 def draw(study: Study, path: Path) -> Path:
     """Draw error over wall time and over the step, a curve for each method, failures at the top."""
-    import matplotlib
-
-    matplotlib.use("Agg")
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(1, 2, sharey=True, figsize=(10.0, 5.0))
@@ -121,8 +119,8 @@ def draw(study: Study, path: Path) -> Path:
     if floor > 0.0:
         axes[1].axhline(floor, color="k", ls=":", lw=0.8)
     axes[0].legend(fontsize=7)
-    figure.suptitle(printable(study.title).replace("$", r"\$"), fontsize=10)
-    figure.tight_layout()
+    figure.suptitle(plain(study.title), fontsize=10)
+    figure.set_layout_engine("tight")
     try:
         return save_figure(figure, path, 120)
     finally:

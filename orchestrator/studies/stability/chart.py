@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import printable
-from ...report.image import save_figure
+from ...report.image import plain, save_figure, standard_settings
 from ..output_files import write_records
 from .classification import CLASSES, Trial
 from .study import Study
@@ -64,11 +64,9 @@ def write(study: Study, path: Path) -> Path:
     return write_records([asdict(trial) for trial in study.trials], path)
 
 
+@standard_settings()
 def draw(study: Study, path: Path) -> Path:
     """Draw heat maps, one for each method: cases down, steps across, coloured by class."""
-    import matplotlib
-
-    matplotlib.use("Agg")
     import numpy as np
     from matplotlib import pyplot
     from matplotlib.colors import ListedColormap
@@ -92,11 +90,11 @@ def draw(study: Study, path: Path) -> Path:
         axis.imshow(field, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5, aspect="auto")
         axis.set_title(label, fontsize=7)
         axis.set_xticks(range(len(steps)), [str(n) for n in steps], rotation=90, fontsize=6)
-        axis.set_yticks(range(len(cases)), cases, fontsize=7)
+        axis.set_yticks(range(len(cases)), [plain(case) for case in cases], fontsize=7)
         axis.set_xlabel("steps in a cycle", fontsize=6)
     handles = [Patch(color=COLOURS[kind], label=f"{kind}: {CLASSES[kind]}") for kind in kinds]
     figure.legend(handles=handles, loc="lower center", ncols=2, fontsize=7)
-    figure.tight_layout(rect=(0.0, 0.6 / (1.5 + 0.22 * len(cases)), 1.0, 1.0))
+    figure.set_layout_engine("tight", rect=(0.0, 0.6 / (1.5 + 0.22 * len(cases)), 1.0, 1.0))
     try:
         return save_figure(figure, path, 130)
     finally:

@@ -6,9 +6,10 @@ import contextlib
 import math
 import re
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from ...errors import OutputError
+from ...results.lock import Lock
 from ..run_cache import RunCache
 from .points import Point, Record
 
@@ -25,16 +26,16 @@ class Checkpoint:
     def __init__(self, target: Path) -> None:
         self.path = target.with_name(f"{target.name}.points")
         self._cache = RunCache(self.path)
-        self._lock: IO[bytes] | None = None
+        self._lock = Lock(self.path / LOCK)
 
     def __enter__(self) -> Checkpoint:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
-            self._lock = (self.path / LOCK).open("wb")
+            (self.path / LOCK).touch()
+            held = self._lock.take()
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be used ({error.strerror})") from None
-        if not _locked(self._lock):
-            self._lock.close()
+        if not held:
             raise OutputError(f"{self.path}: in use by another sweep; wait, or name another result")
         for left in self.path.glob(".*.part"):
             left.unlink(missing_ok=True)
@@ -45,8 +46,7 @@ class Checkpoint:
             if [entry.name for entry in self.path.iterdir()] == [LOCK]:
                 (self.path / LOCK).unlink()
                 self.path.rmdir()
-        if self._lock is not None:
-            self._lock.close()
+        self._lock.release()
 
     def read(self, point: Point) -> Record | None:
         """The record of a point; None where there is none, or where it is no longer readable."""
@@ -99,18 +99,3 @@ def record_of(known: dict[str, Any]) -> Record:
         wall_time=float(known["wall_time"]),
         steps=int(known["steps"]),
     )
-
-
-def _locked(file: IO[bytes]) -> bool:
-    """Take a lock that ends with the process; true too where the system has no locks."""
-    try:
-        import fcntl
-    except ImportError:
-        return True
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError:
-        return True
-    return True

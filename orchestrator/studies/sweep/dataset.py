@@ -136,6 +136,8 @@ def write(data: xarray.Dataset, path: Path) -> Path:
     }
     with written_whole(target, failures=(RuntimeError,)) as waiting:
         data.to_netcdf(waiting, engine="netcdf4", encoding=encoding)
+    if data.attrs["complete"]:
+        partial_path(path).unlink(missing_ok=True)
     return target
 
 

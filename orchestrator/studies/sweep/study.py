@@ -69,7 +69,7 @@ def sweep(
     all problems before anything runs.
     """
     from ...results.kept_aside import keep_other
-    from ...results.netcdf import clear, prepare
+    from ...results.netcdf import prepare
     from .dataset import described
 
     common = dict(changes or {})
@@ -93,7 +93,6 @@ def sweep(
     ):
         if not overwrite:
             keep_other(target, described(grid, refine))
-        clear(target)
         study = _Study(grid, folder, pool, refine, check, show)
         return study.carried_out(target, keep)
 

@@ -44,6 +44,9 @@ process has ended, also where the next one starts slowly or has ended again. Wit
 nannies always start another process.
 """
 
+SAFE = {"PYTHONSAFEPATH": "1"}
+"""Environment of workers and of what starts them: they import nothing from the current folder."""
+
 PRELOADED = [
     "orchestrator.simulation.load",
     "orchestrator.simulation.run",
@@ -73,6 +76,7 @@ def local(count: int) -> Iterator[Client]:
         made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
         scratch = stack.enter_context(made)
         stack.enter_context(dask.config.set({**SETTINGS, "temporary-directory": scratch}))
+        os.environ.update(SAFE)
         try:
             with _signals_kept_from_children():
                 cluster = distributed.LocalCluster(
@@ -83,7 +87,7 @@ def local(count: int) -> Iterator[Client]:
                     scheduler_kwargs={"dashboard": False, "dashboard_address": f"{HOST}:0"},
                     silence_logs=logging.CRITICAL,
                     local_directory=scratch,
-                    env={"TMPDIR": scratch},
+                    env={"TMPDIR": scratch, **SAFE},
                     preload=PRELOADED,
                 )
         except (OSError, RuntimeError) as error:

@@ -42,13 +42,16 @@ def test_set_changes_a_start_value(library: Path, tmp_path: Path) -> None:
         assert "3 g" in data.attrs["scenario"]
 
 
-def test_a_failed_run_leaves_a_partial_file_only(library: Path, tmp_path: Path) -> None:
+def test_a_failed_run_leaves_a_partial_file_beside_an_earlier_result(
+    library: Path, tmp_path: Path
+) -> None:
     target = tmp_path / "flap.nc"
     target.write_text("an earlier result")
     options = ["--fmus", str(library), "--set", "payload.start_velocity=9000"]
     done = runner.invoke(app, ["run", "oscillator-1", "--output", str(target), *options])
     assert done.exit_code == 1
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["flap.partial.nc"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["flap.nc", "flap.partial.nc"]
+    assert target.read_text() == "an earlier result"
 
 
 def test_scenarios_are_listed() -> None:

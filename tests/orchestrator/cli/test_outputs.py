@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import tempfile
@@ -14,6 +15,7 @@ from typer.testing import CliRunner
 
 from orchestrator import cli
 from orchestrator.results import netcdf
+from orchestrator.results.recorded import read_recorded
 from tests.orchestrator.good_scenario import PART, Refuse, changed, invoke
 from tests.processes import resilin
 
@@ -56,6 +58,20 @@ def test_name_of_the_result_is_shown_as_it_is(name: str, desk: Path, library: Pa
     assert name.replace("\n", "\\x0a") in result.stdout
 
 
+def test_an_older_result_stays_until_a_new_one_is_whole(desk: Path, library: Path) -> None:
+    assert invoke(library, "good.toml")[0] == 0
+    older = (desk / "out.nc").read_bytes()
+    fault = '\n[[faults]]\nat = "5 ms"\non = "payload"\nkind = "drop"\n'
+    (desk / "bad.toml").write_text((desk / "good.toml").read_text() + fault)
+    code, lines, _ = invoke(library, "bad.toml")
+    assert code == 1
+    assert lines[0].endswith("out.nc is still the result of an earlier run")
+    assert (desk / "out.nc").read_bytes() == older
+    assert (desk / "out.partial.nc").exists()
+    assert invoke(library, "good.toml")[0] == 0
+    assert sorted(p.name for p in desk.glob("out*")) == ["out.nc"]
+
+
 @pytest.mark.parametrize("error", [RuntimeError("NetCDF: HDF error"), OSError(28, "No space left")])
 def test_result_that_cannot_be_written_is_refused(
     error: Exception, refuse: Refuse, monkeypatch: pytest.MonkeyPatch
@@ -70,14 +86,14 @@ def test_result_that_cannot_be_written_is_refused(
     assert "out.nc: cannot be written" in line
 
 
-@pytest.mark.parametrize(
-    "name", ["lift/drag", "n" * 400, "翼" * 200, " lift ", "1 lift", "der(x)[1]", "'a.b'"]
-)
-def test_name_that_netcdf_does_not_take_is_kept(name: str, desk: Path, library: Path) -> None:
+def renamed(desk: Path, library: Path, **names: str) -> None:
+    """A scenario `own.toml` of a payload some of whose outputs have other names."""
+
     def text(entry: str) -> bytes:
         data = old.read(entry)
         if entry == "modelDescription.xml":
-            data = data.replace(b'"kinetic_energy"', f'"{name}"'.encode())
+            for own, name in names.items():
+                data = data.replace(f'"{own}"'.encode(), f'"{name}"'.encode())
         return data
 
     with (
@@ -86,7 +102,39 @@ def test_name_that_netcdf_does_not_take_is_kept(name: str, desk: Path, library: 
     ):
         for entry in old.namelist():
             new.writestr(entry, text(entry))
-    (desk / "own.toml").write_text(changed(PART, 'fmu = "own.fmu"'))
+    (desk / "own.toml").write_text(changed(PART, 'fmu = "own.fmu"\nisolate = true'))
+
+
+def test_names_that_netcdf_takes_for_one_are_two(desk: Path, library: Path) -> None:
+    """It composes characters: e and an accent, and the one letter."""
+    renamed(desk, library, kinetic_energy="\u00e9", force_work="e\u0301")
+    code, lines, _ = invoke(library, "own.toml")
+    assert (code, lines) == (0, [])
+    names = set(read_recorded(desk / "out.nc").series)
+    assert {"payload.\u00e9", "payload.e\u0301"} <= names
+
+
+@pytest.mark.parametrize("name", ["a[/b]", "a[red]", ":smile:", "$x$", "a$b$c$d", r"\$x^{", "_a"])
+def test_name_stands_as_it_is_in_tables_and_plots(name: str, desk: Path, library: Path) -> None:
+    """Neither markup of the terminal, nor a formula of the plot."""
+    renamed(desk, library, displacement=name)
+    pattern = json.dumps("payload." + name.replace("[", "[[]"))
+    metric = json.dumps(f"last({json.dumps(f'payload.{name}')})")
+    with (desk / "own.toml").open("a") as file:
+        file.write(f"\n[plot]\n{json.dumps(f'$Panel$ {name}')} = {pattern}\n")
+        file.write(f"\n[metrics]\n{json.dumps(name)} = {metric}\n")
+    options = ["--fmus", str(library), "--estimate", "--verbose", "--output", "out.nc"]
+    result = CliRunner().invoke(cli.app, ["run", "own.toml", *options])
+    assert result.exception is None, result.stderr
+    assert name in result.stdout
+    assert (desk / "out.png").exists()
+
+
+@pytest.mark.parametrize(
+    "name", ["lift/drag", "n" * 400, "翼" * 200, " lift ", "1 lift", "der(x)[1]", "'a.b'"]
+)
+def test_name_that_netcdf_does_not_take_is_kept(name: str, desk: Path, library: Path) -> None:
+    renamed(desk, library, kinetic_energy=name)
     code, lines, _ = invoke(library, "own.toml")
     assert (code, lines) == (0, [])
     with xarray.open_dataset("out.nc") as data:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from orchestrator.recording.interpolation import Track, Uneven, fitted
+from orchestrator.recording.interpolation import Track, Unfit, fitted
 
 KINDS = ("held", "linear", "cubic", "band-limited")
 TIMES = np.linspace(0.0, 1.0, 41)
@@ -121,7 +121,7 @@ def test_outside_the_record() -> None:
 
 def test_band_limited_needs_even_samples() -> None:
     times = np.array([0.0, 1.0, 2.5, 3.0])
-    with pytest.raises(Uneven, match=r"apart at t = 0 s|apart at t = 1 s"):
+    with pytest.raises(Unfit, match=r"apart at t = 0 s|apart at t = 1 s"):
         fitted(times, times[:, None], "band-limited")
 
 
@@ -129,3 +129,35 @@ def test_band_limited_needs_even_samples() -> None:
 def test_two_rows_are_enough(kind: str) -> None:
     track = fitted(np.array([0.0, 1.0]), np.array([[1.0], [2.0]]), kind)
     assert 1.0 <= track.at(0.5)[0][0] <= 2.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("period", [0.0, 6.0])
+@pytest.mark.parametrize(
+    ("time", "value", "column", "words"),
+    [
+        (2.0, 1e308, 1, "1e\\+308 is beyond"),
+        (2.0, -1e101, 1, "is beyond"),
+        (2.0, float("inf"), 1, "inf is beyond"),
+        (1.0 + 3e-16, 0.0, None, "times .* apart"),
+    ],
+)
+def test_what_no_polynomial_holds_is_refused_with_its_place(
+    kind: str, period: float, time: float, value: float, column: int | None, words: str
+) -> None:
+    times, values = np.array([0.0, 1.0, time, 5.0]), np.zeros((4, 3))
+    values[2, 1] = value
+    with pytest.raises(Unfit, match=words) as caught:
+        fitted(times, values, kind, period=period)
+    assert (caught.value.row, caught.value.column) == (2, column)
+
+
+@pytest.mark.parametrize("kind", ["held", "linear", "cubic"])
+@pytest.mark.parametrize("size", [1e-59, 1.0, 1e99])
+@pytest.mark.parametrize("period", [False, True])
+def test_extreme_samples_have_finite_interpolants(kind: str, size: float, period: bool) -> None:
+    times = size * np.arange(5.0)
+    values = 1e100 * np.array([0.0, 1.0, -1.0, 1.0, 0.0])[:, None]
+    track = fitted(times, values, kind, period=times[-1] if period else 0.0)
+    for part in (track.pieces, track.first, track.second):
+        assert np.isfinite(part).all()

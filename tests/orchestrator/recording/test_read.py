@@ -78,6 +78,11 @@ def test_an_index_is_not_a_unit() -> None:
     assert Heading.of("x[1] [m]") == Heading("x[1] [m]", "x[1]", "m")
 
 
+def test_an_endless_heading_takes_no_time(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="no column has the name of a variable"):
+        read(tmp_path, "time," + "x" + " " * 120_000 + "(\n0,1\n1,2\n")
+
+
 @pytest.mark.parametrize("kind", ["linear", "held", "cubic"])
 def test_gaps_are_bridged_when_asked(tmp_path: Path, kind: str) -> None:
     rows = "".join(f"{k},{'' if k == 5 else 2 * k}\n" for k in range(12) if k != 8)
@@ -122,6 +127,11 @@ BAD: dict[str, tuple[str | bytes, dict[str, object], list[str]]] = {
     "no unit": ("time,y [furlongs per]\n0,1\n1,2\n", {}, ["column 'y [furlongs per]'"]),
     "time in newtons": ("time [N],y\n0,1\n1,2\n", {}, ["column 'time [N]'", "not convertible"]),
     "of another": (GOOD, {"component": "spring"}, ["no column of component 'spring'"]),
+    "beyond the bridge": (
+        "time,y\n0,1e300\n1,\n2,1\n3,1\n",
+        {"bridge": "cubic"},
+        ["line 2", "column 'y'", "1e+300 is beyond"],
+    ),
     "too large": (GOOD, {"most": 20}, ["more than 20", "memory"]),
 }
 

@@ -9,7 +9,15 @@ import pytest
 import xarray
 
 from orchestrator.errors import InputError, OutputError
-from orchestrator.results.netcdf import folder_of, partial_path, recover, segments_for, write
+from orchestrator.results import netcdf, segments
+from orchestrator.results.netcdf import (
+    folder_of,
+    partial_path,
+    prepare,
+    recover,
+    segments_for,
+    write,
+)
 from orchestrator.results.segments import found
 from orchestrator.simulation.load import load
 from orchestrator.simulation.observers import Recorder
@@ -27,18 +35,18 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_segments_become_one_file(library: Path, tmp_path: Path, small: None) -> None:
     """The same rows as a run that stays in memory, and no folder left."""
     plan = load("oscillator-1", None, library, time=SPAN)
-    whole = run(plan)
+    plain = run(plan)
     target = tmp_path / "long.nc"
     done = run(plan, segments=segments_for(plan, target))
     assert done.segments is not None
-    assert len(done.segments.digests) == len(whole.times) // 256
+    assert len(done.segments.digests) == len(plain.times) // 256
     assert folder_of(target).is_dir()
     assert write(done, target) == target
     assert sorted(p.name for p in tmp_path.iterdir()) == ["long.nc"]
     with xarray.open_dataset(target) as data:
-        assert np.array_equal(data["time"].values, whole.times)
-        for name in whole.names:
-            assert np.array_equal(data[name].values, whole.series(name))
+        assert np.array_equal(data["time"].values, plain.times)
+        for name in plain.names:
+            assert np.array_equal(data[name].values, plain.series(name))
         assert data["payload.displacement"].attrs["units"] == "m"
         assert data.attrs["complete"] == 1
 
@@ -92,16 +100,83 @@ run(plan, segments=segments_for(plan, Path({str(target)!r})))
     folder = folder_of(target)
     with started(python("-c", code)) as process:
         until(lambda: len(list(folder.glob("*.nc"))) >= 5, process)
-    closed = len(found(folder).digests)
+        with pytest.raises(InputError, match="still alive"):
+            recover(folder)
+        assert process.poll() is None
+    left = found(folder)
+    closed = len(left.digests)
+    left.lock.release()
     assert closed >= 4
-    path, rows = recover(folder)
-    assert path == partial_path(target)
+    path, rows, lost = recover(folder)
+    assert (path, lost) == (partial_path(target), [])
     assert rows == 256 * closed
     assert not folder.exists()
     with xarray.open_dataset(path) as data:
         assert data.attrs["complete"] == 0
         assert data.sizes["time"] == rows
         assert np.all(np.diff(data["time"].values) > 0.0)
+
+
+def test_all_but_the_damaged_segment_is_recovered(
+    library: Path, tmp_path: Path, small: None
+) -> None:
+    """The folder stays: what is damaged may be of use to somebody."""
+    plan = load("oscillator-1", None, library, time=SPAN)
+    target = tmp_path / "long.nc"
+    done = run(plan, segments=segments_for(plan, target))
+    assert done.segments is not None
+    done.segments.lock.release()
+    folder, count = folder_of(target), len(done.segments.digests)
+    (folder / "000001.nc").write_bytes(b"")
+    path, rows, lost = recover(folder)
+    assert (rows, lost) == (256 * (count - 1), ["000001.nc"])
+    assert path.exists() and folder.exists()
+    for piece in folder.glob("*.nc"):
+        piece.write_bytes(b"")
+    with pytest.raises(InputError, match="no segment is whole"):
+        recover(folder)
+
+
+@pytest.mark.parametrize("full", [0, 2])
+def test_a_full_disk_keeps_what_is_there(
+    full: int, library: Path, tmp_path: Path, small: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """netCDF4 reports it as a RuntimeError; the rows still in memory fit nowhere."""
+    plan = load("oscillator-1", None, library, time=SPAN)
+    target = tmp_path / "long.nc"
+    target.write_bytes(b"an earlier result")
+    write_piece = segments._write_piece
+
+    def limited(path: Path, *arguments: object) -> None:
+        if path.name == f".{full:06d}.nc.part":
+            path.write_bytes(b"half")
+            raise RuntimeError("NetCDF: HDF error")
+        write_piece(path, *arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(segments, "_write_piece", limited)
+    done = run(plan, segments=segments_for(plan, target))
+    assert isinstance(done.failure, OutputError)
+    assert f"{full:06d}.nc: cannot be written" in str(done.failure)
+    assert done.kept == 256 * (full + 1)
+
+    def nowhere(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(netcdf, "assemble", nowhere)
+    with pytest.raises(OutputError, match="resilin recover" if full else "No space left"):
+        write(done, target)
+    assert target.read_bytes() == b"an earlier result"
+    monkeypatch.undo()
+    if full:
+        assert recover(folder_of(target))[1] == 256 * full
+        partial_path(target).unlink()
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_left_segments_are_told_before_the_run(tmp_path: Path) -> None:
+    folder_of(tmp_path / "long.nc").mkdir()
+    with pytest.raises(OutputError, match=r"resilin recover .*long\.segments"):
+        prepare(tmp_path / "long.nc")
 
 
 def test_nothing_to_recover_is_refused(tmp_path: Path) -> None:
@@ -112,11 +187,11 @@ def test_nothing_to_recover_is_refused(tmp_path: Path) -> None:
 def test_last_stretch_and_decimation(library: Path) -> None:
     """The last two of four cycles, every third row; the steps do not change."""
     record = {"last": "2 cycles", "every": 3}
-    whole = run(load("oscillator-1", None, library, time={"stop": "4 cycles"}))
+    all_rows = run(load("oscillator-1", None, library, time={"stop": "4 cycles"}))
     plan = load("oscillator-1", None, library, time={"stop": "4 cycles"}, record=record)
     done = run(plan)
-    assert done.steps == whole.steps
-    kept = np.flatnonzero(np.isin(whole.times, done.times))
+    assert done.steps == all_rows.steps
+    kept = np.flatnonzero(np.isin(all_rows.times, done.times))
     assert np.array_equal(kept % 3, np.zeros(len(kept)))
     assert done.times[0] >= 2.0 / (plan.frequency or 1.0) - 1e-9
-    assert np.array_equal(done.rows, whole.rows[kept])
+    assert np.array_equal(done.rows, all_rows.rows[kept])

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
+from orchestrator.scenario.parse import load_scenario
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from orchestrator.studies.reference.solution import reference_solution
@@ -81,3 +82,24 @@ def test_the_command_reports_the_step(library: Path, tmp_path: Path) -> None:
     facts = json.loads(done.stdout)
     assert facts["step_reason"].startswith("step 0.000")
     assert facts["advice"] == facts["step_reason"]
+
+
+def test_what_only_describes_a_scenario_loads_no_fmu(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not for an automatic step either, which a run finds by trials."""
+
+    def loaded(*arguments: object, **options: object) -> None:
+        raise AssertionError("an FMU was loaded")
+
+    monkeypatch.setattr("orchestrator.simulation.system.open_instance", loaded)
+    monkeypatch.chdir(tmp_path)
+    Path("own.toml").write_text('extends = "oscillator-1"\n[time]\nstep = "auto"\n')
+    runner = CliRunner()
+    shown = runner.invoke(app, ["inspect", "own.toml", "--json", "--fmus", str(library)])
+    assert json.loads(shown.stdout)["time"]["step"] == "auto"
+    written = runner.invoke(app, ["inspect", "own.toml", "--fmus", str(library)])
+    assert "a run chooses" in written.stdout
+    made = runner.invoke(app, ["export", "own.toml", "--fmus", str(library), "--to", "own.ssp"])
+    assert (made.exit_code, 'step = "auto"' in made.stdout) == (0, True)
+    assert load_scenario("own.ssp")[0].time.step == "auto"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -101,26 +102,29 @@ def test_master_that_is_stopped_and_continued_keeps_its_instance(
         assert "stopped by SIGINT" in master.communicate()[1]
 
 
-def test_second_interrupt_ends_a_hanging_instance(shelf: Shelf, tmp_path: Path, mark: str) -> None:
-    """The first waits for the instance to answer; the second does not, whatever the patience.
+@pytest.mark.parametrize(
+    ("number", "count"), [(signal.SIGTERM, 1), (signal.SIGINT, 2), (signal.SIGTERM, 2)]
+)
+def test_signal_ends_a_hanging_instance_and_keeps_the_rows(
+    number: signal.Signals, count: int, shelf: Shelf, tmp_path: Path, mark: str
+) -> None:
+    """After some seconds of grace, or at once with a second signal, whatever the patience.
 
-    Two at once count as one, so they are sent until the run ends.
+    Two at once count as one: then the grace counts.
     """
     path = faulty(tmp_path, shelf("FAULTY", 2), 2, patience="600 s")
     with begun(path) as master:
-        interrupts = 0
-        while master.poll() is None:
-            os.killpg(master.pid, signal.SIGINT)
-            interrupts += 1
-            try:
-                master.wait(1.0)
-            except subprocess.TimeoutExpired:
-                continue
+        for _ in range(count):
+            master.send_signal(number)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                master.wait(0.5)
         _, stderr = master.communicate()
         until(lambda: marked(mark) == [])
-    assert interrupts > 1
-    assert master.returncode == 130
-    assert "Traceback" not in stderr
+    assert master.returncode == 128 + number
+    (line,) = stderr.splitlines()
+    assert line.startswith(f"resilin: stopped by {number.name}; ")
+    with xarray.open_dataset(tmp_path / "out.partial.nc") as data:
+        assert data.sizes["time"] > 1
 
 
 def test_interrupt_amid_a_call_closes_all(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from distributed import LocalCluster
 from orchestrator.errors import InputError, SimulationError
 from orchestrator.studies.sweep.study import parse_axis, sweep
 from tests.orchestrator.studies.sweeps import SCENARIO, SHORT, Sweep, files
-from tests.processes import when
+from tests.processes import python, when
 
 
 def test_a_scheduler_that_goes_away_is_reported(library: Path, tmp_path: Path) -> None:
@@ -37,3 +38,24 @@ def test_a_scheduler_that_is_not_there_is_reported(
     monkeypatch.setattr("orchestrator.studies.workers.dask_cluster.CONNECTING", 0.5)
     with pytest.raises(InputError, match="dask scheduler"):
         swept("amplifier.frequency=17Hz", target=tmp_path / "out.nc", scheduler="tcp://127.0.0.1:9")
+
+
+@pytest.mark.slow
+def test_workers_import_nothing_from_the_current_folder(library: Path, tmp_path: Path) -> None:
+    """Nor does what starts them: a module there may have the name of one of Python's own."""
+    for name in ("multiprocessing", "random", "numpy"):
+        (tmp_path / f"{name}.py").write_text("open('imported', 'w').close()\n")
+    code = """
+import sys
+sys.path[:] = [p for p in sys.path if p]
+from orchestrator.studies.workers import dask_cluster
+if __name__ == "__main__":
+    with dask_cluster.local(1) as client:
+        print(client.run(abs, -1))
+"""
+    (tmp_path / "main.py").write_text(code)
+    done = subprocess.run(
+        python("-P", "main.py"), cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert ": 1}" in done.stdout
+    assert not (tmp_path / "imported").exists()
