@@ -12,7 +12,7 @@ run: $(VENV)/ready
 	$(BIN)/resilin run $(SCENARIO)
 
 test: lint $(COFMPY)/ready
-	$(BIN)/pytest -n 2 -m "not slow"
+	$(BIN)/pytest -n 3 -m "not slow"
 
 lint: $(VENV)/ready
 	$(BIN)/ruff check .

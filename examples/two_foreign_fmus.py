@@ -45,7 +45,7 @@ def main() -> None:
     for kind in ("gauss-seidel", "extrapolated"):
         for step in (0.04, 0.02):
             plan = load(folder / "masses.toml", time={"step": step}, master={"kind": kind})
-            outcome = run(plan).checked()
+            outcome = run(plan, estimate=False).checked()
             t = outcome.times
             exact = 0.5 * (np.cos(t) + np.cos(np.sqrt(3.0) * t))
             error = np.abs(outcome.series("left.displacement") - exact).max()

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, RecordingError, printable
-from ..recording.binary_process import BinaryFile, opened
 from ..scenario.files import is_file
 from .outcome import Outcome
 from .scenario_attribute import scenario_table
 
 if TYPE_CHECKING:
     import xarray
+
+    from ..recording.binary_process import BinaryFile
 
 Values = NDArray[np.float64]
 MOST_PACKED = 1100
@@ -100,6 +101,8 @@ def read_recorded(path: Path) -> Recorded:
     Raises `InputError` where there is none, where it is not a result, or where a variable of it
     is damaged.
     """
+    from ..recording.binary_process import opened
+
     if not is_file(path):
         raise InputError(
             f"{printable(str(path), most=1000)}: no such result; resilin run makes one"

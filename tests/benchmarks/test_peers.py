@@ -168,6 +168,7 @@ def test_stroke_and_frequency_of_a_sine() -> None:
     assert beat == pytest.approx(18.0, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_command(library: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     main(
         scenario=SCENARIO, tools="ours,scipy,omsimulator", budget=20.0, cycles=2.0, steps="20,40",

@@ -369,7 +369,10 @@ def test_runs_on_the_standard_library_alone(library: Path, tmp_path: Path, name:
     assert _host(library / f"{name}.fmu", tmp_path, 1, "-I", "-S") == "done"
 
 
-@pytest.mark.parametrize("name", PARTS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.slow] if part_of(n).needs else []) for n in PARTS],
+)
 def test_five_hundred_lives(library: Path, tmp_path: Path, name: str) -> None:
     alone = () if part_of(name).needs else ("-I", "-S")
     assert _host(library / f"{name}.fmu", tmp_path, 500, *alone) == "done"

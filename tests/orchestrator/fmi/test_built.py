@@ -50,13 +50,15 @@ def test_an_fmu_that_only_says_so_runs_in_a_process_of_its_own(
     )
 
 
-def test_a_file_of_others_with_our_identity_is_built_anew(library: Path, tmp_path: Path) -> None:
+def test_a_file_of_others_with_our_identity_is_built_anew(
+    python_parts: Path, tmp_path: Path
+) -> None:
     """The GUID is in the file, where anybody can write it."""
     own = tmp_path / "payload.fmu"
-    forged(library, tmp_path)
+    forged(python_parts, tmp_path)
     (tmp_path / "forged.fmu").rename(own)
     assert build_fmus.build("payload", into=tmp_path).fresh
-    assert digest_of(own) == digest_of(library / "payload.fmu")
+    assert digest_of(own) == digest_of(python_parts / "payload.fmu")
     assert not build_fmus.build("payload", into=tmp_path).fresh
 
 

@@ -20,7 +20,15 @@ from tests.foreign.build import foreign
 AUTO = {"step": "auto", "stop": "10 cycles"}
 
 
-@pytest.mark.parametrize("scenario", ["oscillator-1", "flapping-no-wing", "flapping-full-wings"])
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        "oscillator-1",
+        "flapping-spring-full-wings",
+        pytest.param("flapping-no-wing", marks=pytest.mark.slow),
+        pytest.param("flapping-full-wings", marks=pytest.mark.slow),
+    ],
+)
 def test_the_automatic_step_is_accurate(library: Path, scenario: str) -> None:
     """The true error of the whole run is below 1e-3."""
     plan = load(scenario, None, library, time=AUTO)

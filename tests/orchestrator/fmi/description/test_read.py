@@ -109,6 +109,7 @@ def test_deep_nesting_is_refused(depth: int, description: str, tmp_path: Path) -
     assert "nested" in refused(tmp_path, nest) or depth > 255
 
 
+@pytest.mark.slow
 def test_100000_variables_are_read(description: str, tmp_path: Path) -> None:
     scalar = (
         '<ScalarVariable name="p{0}" valueReference="{1}" causality="parameter"'

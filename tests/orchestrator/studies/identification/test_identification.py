@@ -68,7 +68,7 @@ def fitted(path: Path, native: Path, asked: Asked = OSCILLATOR) -> Identified:
     return identify(case, unknowns_of(list(TRUTH), case.plan, list(asked.parts)))
 
 
-@pytest.mark.parametrize("count", [8, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [5, pytest.param(100, marks=pytest.mark.slow)])
 def test_known_parameters_lie_within_their_intervals(
     native: Path, tmp_path: Path, oscillation: Path, count: int
 ) -> None:
