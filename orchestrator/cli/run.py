@@ -61,10 +61,10 @@ def run(
     """
     from ..results.kept_aside import keep_other
     from ..results.netcdf import partial_path, prepare, provenance, segments_for, write
+    from ..simulation.accuracy import meaningless
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load
     from ..simulation.run import run as run_plan
-    from ..simulation.summary import meaningless
 
     with Interrupt() as interrupt, common.reported():
         target = common.result_path(scenario, output, name)
@@ -189,7 +189,8 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
     from rich.text import Text
 
     from ..errors import printable
-    from ..simulation.summary import accuracy, warnings
+    from ..simulation.accuracy import accuracy
+    from ..simulation.summary import warnings
 
     console = common.console()
     title = Text(printable(outcome.plan.scenario.title))

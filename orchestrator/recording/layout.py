@@ -72,18 +72,18 @@ class Head:
         above = max(self.layout.skip, self.layout.headings or 0, self.layout.units_row or 0)
         text = [(n, t) for n, t in self.lines if t.strip() and not t.startswith(COMMENTS)]
         text = [(n, t) for n, t in text if n > self.layout.skip]
-        told = re.fullmatch(r"sep=(.)", text[0][1].strip()) if text else None
-        text = text[1:] if told else text
+        named = re.fullmatch(r"sep=(.)", text[0][1].strip()) if text else None
+        text = text[1:] if named else text
         if not text:
             raise RecordingError(f"{self.path}: is empty: no headings, no rows")
         for is_row in (_is_plain_row, _is_row):
-            for delimiter in told[1] if told else DELIMITERS:
+            for delimiter in named[1] if named else DELIMITERS:
                 begin = self._begin(text, delimiter, above, is_row)
                 if begin is not None:
                     return self._named(text, begin, delimiter)
         number, line = text[0]
         plain = re.sub(r'"[^"]*"', "", line)
-        delimiter = told[1] if told else next((d for d in DELIMITERS if d in plain), "")
+        delimiter = named[1] if named else next((d for d in DELIMITERS if d in plain), "")
         if not delimiter:
             raise RecordingError(
                 f"{self.path}: line {number}: no comma, semicolon or tab between two headings; a"

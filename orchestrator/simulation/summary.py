@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import ceil, floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from ..errors import printable
 from ..results.outcome import Outcome
 from ..results.run_warning import RunWarning
-from ..scenario.plan import Plan, usual
-from ..scenario.schema import PerCycle
-from ..units import UnitError, in_base
+from .accuracy import INACCURATE, MEANINGLESS, largest_error, remedy, still
 from .energy_audit import LIMIT
 
 if TYPE_CHECKING:
@@ -24,92 +19,6 @@ MOST_FINDINGS = 3
 """Findings of one FMU that a run shows."""
 LEAST_ROWS = 10
 """Rows from which outputs that stand still are noticed."""
-
-
-INACCURATE = 0.01
-"""Estimated error of a leading variable, by its largest value, from which on a run warns."""
-MARGIN = 0.7
-"""Share of it that the step aims at which a warning names."""
-MEANINGLESS = 0.5
-"""The same from which on the numbers of a run say nothing."""
-STILL = 1e-9
-"""Travel [m] or [rad] of a leading variable up to which it does not move."""
-NONE_SEEN = 1e-12
-"""The same below which only rounding is left."""
-
-
-def largest_error(outcome: Outcome) -> tuple[str, float]:
-    """The leading variable with the largest estimated relative error, and that error.
-
-    "" and 0 where nothing is estimated.
-    """
-    estimates = outcome.estimates or {}
-    found = {name: estimates[name].relative for name in outcome.plan.leading if name in estimates}
-    return max(found.items(), key=lambda entry: entry[1], default=("", 0.0))
-
-
-def accuracy(outcome: Outcome) -> str:
-    """One line on the estimated error of a run, "" where there is none."""
-    name, relative = largest_error(outcome)
-    if not name:
-        return ""
-    covers = "of the coupling, by a second run at half the step"
-    if relative < NONE_SEEN:
-        return f"estimated error: none seen, {covers}"
-    return f"estimated error: {relative:.1e} of the largest {printable(name)}; {covers}"
-
-
-def meaningless(outcome: Outcome) -> str:
-    """Why the numbers of a run say nothing, "" where they do."""
-    name, relative = largest_error(outcome)
-    if relative < MEANINGLESS or name in _still(outcome):
-        return ""
-    return (
-        f"{name}: estimated error {relative:.0%} of its largest value, these numbers say nothing;"
-        f" {_remedy(outcome.plan, relative)}"
-    )
-
-
-def _remedy(plan: Plan, relative: float) -> str:
-    """The setting that would bring the error of a leading variable below `INACCURATE`."""
-    if relative >= MEANINGLESS:
-        return 'lower the step by far, or let step = "auto" find one'
-    first = plan.scenario.master.laws == "held" or usual(plan.connections) == "extrapolated"
-    share = (MARGIN * INACCURATE / relative) ** (1.0 if first else 0.5)
-    time = plan.scenario.time
-    if time.tolerance is not None:
-        return f"--tolerance {_rounded_down(share**2 * time.tolerance):g} would do"
-    if isinstance(time.step, PerCycle):
-        return f'--step "{_rounded_up(time.step.per_cycle / share)} per cycle" would do'
-    return f'--step "{_rounded_down(plan.grid.step * share):g} s" would do'
-
-
-def _still(outcome: Outcome) -> dict[str, float]:
-    """Leading displacements and angles that stay where they are, with their travel in SI."""
-    found = {}
-    for name, variable in ((f"{c}.{v.name}", v) for c, v in outcome.plan.records):
-        try:
-            unit, scale = in_base(variable.unit)
-        except UnitError:
-            continue
-        if name not in outcome.plan.leading or unit not in {"m", "rad"} or not len(outcome.rows):
-            continue
-        travel = scale * float(np.ptp(outcome.series(name)))
-        if travel < STILL:
-            found[name] = travel
-    return found
-
-
-def _rounded_down(value: float) -> float:
-    """The next number below that has two digits."""
-    unit = 10.0 ** (floor(log10(value)) - 1)
-    return float(f"{floor(value / unit) * unit:.2g}")
-
-
-def _rounded_up(count: float) -> int:
-    """The next whole number above that has two digits."""
-    unit = int(10 ** max(floor(log10(count)) - 1, 0))
-    return ceil(count / unit) * unit
 
 
 def errors(outcome: Outcome) -> Table:
@@ -143,7 +52,7 @@ def couplings(outcome: Outcome) -> Table:
 
 def warnings(outcome: Outcome) -> Iterator[RunWarning]:
     """What a user should know before trusting the numbers."""
-    for name, travel in _still(outcome).items():
+    for name, travel in still(outcome).items():
         text = f"does not move ({travel:.1g} peak to peak): is it driven, and do forces cancel?"
         yield RunWarning("still", name, text, travel)
     for name, (created, exchanged) in outcome.couplings.items():
@@ -159,7 +68,7 @@ def warnings(outcome: Outcome) -> Iterator[RunWarning]:
     if INACCURATE < relative < MEANINGLESS:
         text = f"has an estimated error of {relative:.1%} of its largest value"
         yield RunWarning(
-            "estimated error", name, f"{text}; {_remedy(outcome.plan, relative)}", relative
+            "estimated error", name, f"{text}; {remedy(outcome.plan, relative)}", relative
         )
     for place, text in outcome.unseen.items():
         yield RunWarning("not estimated", place, text)
@@ -167,8 +76,8 @@ def warnings(outcome: Outcome) -> Iterator[RunWarning]:
         yield RunWarning("no estimate", "no error estimate", outcome.doubt)
     for name, report in outcome.reports.items():
         if report.warned:
-            said = f": {report.warning}" if report.warning else ", without a text"
-            text = f"{report.warned} of its steps came back with a warning{said}"
+            cause = f": {report.warning}" if report.warning else ", without a text"
+            text = f"{report.warned} of its steps came back with a warning{cause}"
             yield RunWarning("instance", name, text)
     yield from _descriptions(outcome)
     for name in _silent(outcome):

@@ -15,9 +15,10 @@ import pytest
 from orchestrator.results.outcome import Outcome
 from orchestrator.scenario.files import scenario_names
 from orchestrator.scenario.plan import Plan
+from orchestrator.simulation.accuracy import INACCURATE, largest_error, meaningless
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
-from orchestrator.simulation.summary import INACCURATE, largest_error, meaningless, warnings
+from orchestrator.simulation.summary import warnings
 from orchestrator.studies.precision.method import own, with_step
 from orchestrator.studies.reference.solution import errors
 from tests.foreign.scenarios import Shelf, masses, populations, ring

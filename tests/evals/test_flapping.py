@@ -134,7 +134,9 @@ def test_a_thousandth_at_fifty_steps_per_cycle(library: Path, scenario: str) -> 
     assert against_monolith(library, scenario, "curvature", 50, 6) < 1e-3
 
 
-@pytest.mark.parametrize("scenario", ["bench-silicone", "dea-1"])
+@pytest.mark.parametrize(
+    "scenario", ["bench-silicone", pytest.param("dea-1", marks=pytest.mark.slow)]
+)
 def test_a_film_at_full_voltage_takes_eighty(library: Path, scenario: str) -> None:
     """Half of the spacer's height to either side, and a drive with kinks."""
     assert against_monolith(library, scenario, "curvature", 80, 6) < 1e-3

@@ -16,14 +16,10 @@ from orchestrator.results.error_estimate import BEYOND, estimate, halved, with_e
 from orchestrator.results.metrics import metrics
 from orchestrator.results.netcdf import dataset
 from orchestrator.results.outcome import Estimate, Outcome
+from orchestrator.simulation.accuracy import INACCURATE, largest_error, meaningless, still
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
-from orchestrator.simulation.summary import (
-    INACCURATE,
-    largest_error,
-    meaningless,
-    warnings,
-)
+from orchestrator.simulation.summary import warnings
 from tests.conftest import Runner
 from tests.foreign.scenarios import Shelf, populations
 
@@ -162,6 +158,7 @@ def test_what_does_not_move_is_said_first(outcome: Runner) -> None:
     first = next(warnings(done))
     assert first.kind == "still" and first.place == "linkage.displacement"
     assert meaningless(done) == ""
+    assert set(still(done)) == {"linkage.displacement", "linkage.flap_angle"}
 
 
 def test_outputs_that_freeze_are_said(

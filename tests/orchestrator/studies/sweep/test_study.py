@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import psutil
+import pytest
 import xarray
 
 from orchestrator.results.metrics import metrics
@@ -44,6 +45,7 @@ def test_results_equal_a_direct_run(swept: Sweep, outcome: Runner, tmp_path: Pat
     assert [path.name for path in tmp_path.iterdir()] == ["out.nc"]
 
 
+@pytest.mark.slow
 def test_figure_11(cluster: Any, library: Path, tmp_path: Path) -> None:
     """On workers of its own; they are gone at the end, and the environment is as before."""
     assert cluster.workers

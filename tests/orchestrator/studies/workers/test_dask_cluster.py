@@ -16,6 +16,7 @@ from tests.orchestrator.studies.sweeps import SCENARIO, SHORT, Sweep, files
 from tests.processes import python, when
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_goes_away_is_reported(library: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.nc"
     made: Any = LocalCluster

@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 import xarray
 from distributed import LocalCluster
+from typer.testing import CliRunner
 
+from orchestrator.cli import app
 from orchestrator.errors import InputError, SimulationError
 from orchestrator.studies.sweep.points import Setting, calculate, planned
 from orchestrator.studies.sweep.study import Axis, parse_axis
@@ -90,6 +92,17 @@ def test_a_point_that_fails_fails_alone(swept: Sweep, with_faulty: Path, tmp_pat
     with xarray.open_dataset(target) as read:
         assert read.attrs["complete"] == 1
         assert list(read["reason"].values) == list(data["reason"].values)
+
+
+def test_a_sweep_with_failed_points_leaves_with_an_error(
+    with_faulty: Path, library: Path, tmp_path: Path
+) -> None:
+    target = tmp_path / "out.nc"
+    options = ["--fmus", str(library), "--output", str(target), "--workers", "1", "--quiet"]
+    axis = f"faulty.fault={HEALTHY[0]},{ERROR}"
+    done = CliRunner().invoke(app, ["sweep", str(with_faulty), "--over", axis, *options])
+    assert done.exit_code == 1, done.output
+    assert f"1 of 2 points failed; {target} holds the reasons" in done.output.replace("\n", " ")
 
 
 def test_a_worker_that_is_killed_costs_nothing(cluster: Any, swept: Sweep, tmp_path: Path) -> None:

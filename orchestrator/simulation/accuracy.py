@@ -1,0 +1,102 @@
+"""How accurate a run is by its estimate: its worst leading variable, and what would help."""
+
+from __future__ import annotations
+
+from math import ceil, floor, log10
+
+import numpy as np
+
+from ..errors import printable
+from ..results.outcome import Outcome
+from ..scenario.plan import Plan, usual
+from ..scenario.schema import PerCycle
+from ..units import UnitError, in_base
+
+INACCURATE = 0.01
+"""Estimated error of a leading variable, by its largest value, from which on a run warns."""
+MARGIN = 0.7
+"""Share of it that the step aims at which a warning names."""
+MEANINGLESS = 0.5
+"""The same from which on the numbers of a run say nothing."""
+NONE_SEEN = 1e-12
+"""The same below which only rounding is left."""
+STILL = 1e-9
+"""Travel [m] or [rad] of a leading variable up to which it does not move."""
+
+
+def still(outcome: Outcome) -> dict[str, float]:
+    """Leading displacements and angles that stay where they are, with their travel in SI."""
+    found = {}
+    for name, variable in ((f"{c}.{v.name}", v) for c, v in outcome.plan.records):
+        try:
+            unit, scale = in_base(variable.unit)
+        except UnitError:
+            continue
+        if name not in outcome.plan.leading or unit not in {"m", "rad"} or not len(outcome.rows):
+            continue
+        travel = scale * float(np.ptp(outcome.series(name)))
+        if travel < STILL:
+            found[name] = travel
+    return found
+
+
+def largest_error(outcome: Outcome) -> tuple[str, float]:
+    """The leading variable with the largest estimated relative error, and that error.
+
+    Variables that do not move do not count. "" and 0 where nothing is estimated.
+    """
+    estimates, resting = outcome.estimates or {}, still(outcome)
+    found = {
+        name: estimates[name].relative
+        for name in outcome.plan.leading
+        if name in estimates and name not in resting
+    }
+    return max(found.items(), key=lambda entry: entry[1], default=("", 0.0))
+
+
+def accuracy(outcome: Outcome) -> str:
+    """One line on the estimated error of a run, "" where there is none."""
+    name, relative = largest_error(outcome)
+    if not name:
+        return ""
+    covers = "of the coupling, by a second run at half the step"
+    if relative < NONE_SEEN:
+        return f"estimated error: none seen, {covers}"
+    return f"estimated error: {relative:.1e} of the largest {printable(name)}; {covers}"
+
+
+def meaningless(outcome: Outcome) -> str:
+    """Why the numbers of a run say nothing, "" where they do."""
+    name, relative = largest_error(outcome)
+    if relative < MEANINGLESS:
+        return ""
+    return (
+        f"{name}: estimated error {relative:.0%} of its largest value, these numbers say nothing;"
+        f" {remedy(outcome.plan, relative)}"
+    )
+
+
+def remedy(plan: Plan, relative: float) -> str:
+    """The setting that would bring the error of a leading variable below `INACCURATE`."""
+    if relative >= MEANINGLESS:
+        return 'lower the step by far, or let step = "auto" find one'
+    first = plan.scenario.master.laws == "held" or usual(plan.connections) == "extrapolated"
+    share = (MARGIN * INACCURATE / relative) ** (1.0 if first else 0.5)
+    time = plan.scenario.time
+    if time.tolerance is not None:
+        return f"--tolerance {_rounded_down(share**2 * time.tolerance):g} would do"
+    if isinstance(time.step, PerCycle):
+        return f'--step "{_rounded_up(time.step.per_cycle / share)} per cycle" would do'
+    return f'--step "{_rounded_down(plan.grid.step * share):g} s" would do'
+
+
+def _rounded_down(value: float) -> float:
+    """The next number below that has two digits."""
+    unit = 10.0 ** (floor(log10(value)) - 1)
+    return float(f"{floor(value / unit) * unit:.2g}")
+
+
+def _rounded_up(count: float) -> int:
+    """The next whole number above that has two digits."""
+    unit = int(10 ** max(floor(log10(count)) - 1, 0))
+    return ceil(count / unit) * unit
