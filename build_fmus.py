@@ -45,7 +45,7 @@ def build(
     sample that `replay` plays. The rest is as in :func:`fmus.export.build.build_part`. The file is
     noted as built here, so that a master may run it in its own process.
     """
-    from orchestrator.fmi.built import digest_of, is_built_here, note
+    from orchestrator.fmi.built import digest_of, is_built_here, ledger, note
 
     part = load_part(name)
     starts = changed_starts(part, changes or {})
@@ -66,7 +66,13 @@ def build(
         native=native,
         platforms=platforms,
     )
-    note(built.path)
+    try:
+        note(built.path)
+    except OSError as error:
+        raise BuildError(
+            f"{ledger()}: {built.path} cannot be noted as built here ({error.strerror}); set"
+            " XDG_STATE_HOME to a folder that is writable"
+        ) from None
     return built
 
 

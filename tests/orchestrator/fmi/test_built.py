@@ -62,6 +62,15 @@ def test_a_file_of_others_with_our_identity_is_built_anew(
     assert not build_fmus.build("payload", into=tmp_path).fresh
 
 
+def test_a_list_that_cannot_be_written_is_an_error_with_a_way_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
+    with pytest.raises(build_fmus.BuildError, match="set XDG_STATE_HOME to a folder"):
+        build_fmus.build("payload", into=tmp_path)
+
+
 def test_the_ledger_is_the_users_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     file = tmp_path / "x.fmu"
