@@ -59,10 +59,9 @@ def accuracy(outcome: Outcome) -> str:
     name, relative = largest_error(outcome)
     if not name:
         return ""
-    covers = "of the coupling, by a second run at half the step"
     if relative < NONE_SEEN:
-        return f"estimated error: none seen, {covers}"
-    return f"estimated error: {relative:.1e} of the largest {printable(name)}; {covers}"
+        return "estimated error of the coupling: none seen at half the step"
+    return f"estimated error of the coupling: {relative:.1e} of the largest {printable(name)}"
 
 
 def meaningless(outcome: Outcome) -> str:
