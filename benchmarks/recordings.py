@@ -50,7 +50,7 @@ def replayed(
         + (f"columns = {{ {listed} }}\n" if columns else "")
         + (holds if columns else "")
     )
-    done = run(load(path, None, library, **options))
+    done = run(load(path, None, library, **options), estimate=False)
     assert done.failure is None, done.failure
     return done
 
@@ -67,7 +67,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         for scenario, parts in CASES.items():
-            whole = run(load(scenario, time={"stop": STOP}))
+            whole = run(load(scenario, time={"stop": STOP}), estimate=False)
             print(f"\n{scenario}, {STOP}\n\n| part | way | {' | '.join(KINDS)} |")
             print("|---|---|" + "---|" * len(KINDS))
             for part, (columns, name, holds) in parts.items():
@@ -81,11 +81,14 @@ def main() -> None:
                     recording = folder / f"{part}-{finer}.csv"
                     if not recording.exists():
                         plan = load(scenario, time={"stop": STOP, "step": rate})
-                        write_port_recording(run(with_recorded_ports(plan, part)), recording)
+                        recorded = run(with_recorded_ports(plan, part), estimate=False)
+                        write_port_recording(recorded, recording)
                     step = {"per_cycle": per_cycle}
                     against = whole
                     if per_cycle != STEPS[scenario]:
-                        against = run(load(scenario, time={"stop": STOP, "step": step}))
+                        against = run(
+                            load(scenario, time={"stop": STOP, "step": step}), estimate=False
+                        )
                     errors = [
                         difference(
                             against,

@@ -79,7 +79,7 @@ def _run(path: Path, interface: Interface) -> None:
         "time": {"stop": STEPS * step, "step": step},
     }
     scenario = path.with_suffix(".toml")
-    run(planned(scenario_of(tree, scenario), scenario)).checked()
+    run(planned(scenario_of(tree, scenario), scenario), estimate=False).checked()
 
 
 def printed(rows: list[Row]) -> str:
