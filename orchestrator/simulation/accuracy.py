@@ -26,13 +26,16 @@ STILL = 1e-9
 
 def still(outcome: Outcome) -> dict[str, float]:
     """Leading displacements and angles that stay where they are, with their travel in SI."""
+    if not len(outcome.rows):
+        return {}
     found = {}
-    for name, variable in ((f"{c}.{v.name}", v) for c, v in outcome.plan.records):
+    units = {f"{c}.{v.name}": v.unit for c, v in outcome.plan.records}
+    for name in outcome.plan.leading:
         try:
-            unit, scale = in_base(variable.unit)
+            unit, scale = in_base(units[name])
         except UnitError:
             continue
-        if name not in outcome.plan.leading or unit not in {"m", "rad"} or not len(outcome.rows):
+        if unit not in {"m", "rad"}:
             continue
         travel = scale * float(np.ptp(outcome.series(name)))
         if travel < STILL:

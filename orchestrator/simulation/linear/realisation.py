@@ -62,14 +62,13 @@ class Hankel:
         yield from dict.fromkeys([*wide, most])
 
 
-def realise(sequence: Values, order: int | None = None, smallest: float = SMALLEST) -> System:
+def realise(sequence: Values, smallest: float = SMALLEST) -> System:
     """A, B, C whose Markov parameters C A^k B are a sequence (count, outputs, inputs).
 
-    Where the order is not given, it is the number of singular values of the Hankel matrix above
-    `smallest` of the largest.
+    The order is the number of singular values of the Hankel matrix above `smallest` of the largest.
     """
     hankel = Hankel(sequence)
-    return hankel.system(hankel.significant(smallest) if order is None else order)
+    return hankel.system(hankel.significant(smallest))
 
 
 def held_response(system: System, direct: Values, count: int) -> Values:

@@ -125,20 +125,19 @@ def linearise(
         shown = _columns(system, outputs)
         probe = _Probe(system, master, time, held, shown)
         sequence, direct, even = probe.impulses(count)
-        left_out = _left_out(probe, sequence, direct, even)
+        resting = probe.resting
+        left_out = _left_out(probe, sequence, direct, even, resting)
+        reasons = "; ".join(f"{name} {reason}" for name, reason in left_out.items())
         kept = [i for i, k in enumerate(shown) if system.names[k] not in left_out]
         if not kept or (outputs and left_out):
-            reasons = "; ".join(f"{name} {reason}" for name, reason in left_out.items())
             raise InputError(f"{plan.path}: not linearised: {reasons or 'nothing is recorded'}")
         second = probe.held_steps(2 * count)[:, kept]
     sequence, direct = sequence[:, kept], direct[kept]
     found, matched = _matching(sequence, direct, second, order, plan)
     if left_out and not len(found[0]):
-        reasons = "; ".join(f"{name} {reason}" for name, reason in left_out.items())
         raise InputError(f"{plan.path}: not linearised: no motion is left: {reasons}")
-    names = [system.names[shown[i]] for i in kept]
-    step, resting = plan.grid.step, probe.resting[kept]
-    return Linear(*found, direct, step, list(held), names, resting, left_out, matched)
+    names, step = [system.names[shown[i]] for i in kept], plan.grid.step
+    return Linear(*found, direct, step, list(held), names, resting[kept], left_out, matched)
 
 
 def endless(plan: Plan, step: float | None = None) -> Plan:
@@ -281,7 +280,9 @@ class _Probe:
         return found
 
 
-def _left_out(probe: _Probe, sequence: Values, direct: Values, even: Values) -> dict[str, str]:
+def _left_out(
+    probe: _Probe, sequence: Values, direct: Values, even: Values, resting: Values
+) -> dict[str, str]:
     """Outputs without a linear response, with the reason."""
     found = {}
     sizes = np.array([probe.size(name) for name in probe.held])
@@ -289,7 +290,7 @@ def _left_out(probe: _Probe, sequence: Values, direct: Values, even: Values) -> 
     for row, k in enumerate(probe.shown):
         name, moved = probe.system.names[k], float((odd[row] * sizes).max(initial=0.0))
         bent = float((even[row] * sizes).max(initial=0.0))
-        if max(moved, bent) <= UNMOVED * NUDGE * max(abs(float(probe.resting[row])), NUDGE):
+        if max(moved, bent) <= UNMOVED * NUDGE * max(abs(float(resting[row])), NUDGE):
             found[name] = "is not moved by any input"
         elif bent > UNEVEN * moved:
             found[name] = "is not smooth: it answers nudges up and down alike"

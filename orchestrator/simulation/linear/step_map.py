@@ -214,19 +214,13 @@ def _model(
     usual = np.maximum(np.abs(still[free]), largest[coupled.sources[free]])
     values = np.array([system.variables[coupled.sources[k]].order == 0 for k in free], dtype=bool)
     usual = np.where((usual == 0.0) & values, UNKNOWN, usual)
-    if not (own and free):
-        return _unconnected(system, coupled, free, own, shown)
-    probe = _Probe(system, moment, coupled, still, clocks, ahead, free, own, usual)
-    sequence, direct, after = probe.responses(time, size, count, NUDGE)
-    again, _, _ = probe.responses(time, size, count, 0.5 * NUDGE)
-    sequence, smallest = _sound(sequence, again)
-    if not (coupled.instance.interface.ours or sequence.any() or direct.any() or after.any()):
-        raise InputError(
-            f"{system.plan.path}: {coupled.instance.name}: its outputs do not answer small changes"
-            " of its inputs alike: the stability of its coupling cannot be predicted"
-        )
+    if own and free:
+        probe = _Probe(system, moment, coupled, still, clocks, ahead, free, own, usual)
+        a, b, c, direct, after = _identified(probe, time, size, count)
+    else:  # it takes no value of others, or gives none: it has no part in the map
+        a, b, c = np.zeros((0, 0)), np.zeros((0, len(free))), np.zeros((len(own), 0))
+        direct = after = np.zeros((len(own), len(free)))
     by = np.where(usual > 0.0, usual, 1.0)
-    a, b, c = realise(sequence, smallest=smallest)
     return InstanceModel(
         name=coupled.instance.name,
         inputs=[coupled.arriving[k].input.name for k in free],
@@ -294,6 +288,25 @@ class _Probe:
         return sequence / scale, direct / scale, after / scale - sequence[0] / scale
 
 
+def _identified(
+    probe: _Probe, time: float, size: float, count: int
+) -> tuple[Values, Values, Values, Values, Values]:
+    """A, B, C, D and E of an instance for nudges of the usual size of each input.
+
+    Raises `InputError` for a foreign one whose outputs do not answer two sizes of nudge alike.
+    """
+    system, instance = probe.system, probe.coupled.instance
+    sequence, direct, after = probe.responses(time, size, count, NUDGE)
+    again, _, _ = probe.responses(time, size, count, 0.5 * NUDGE)
+    sequence, smallest = _sound(sequence, again)
+    if not (instance.interface.ours or sequence.any() or direct.any() or after.any()):
+        raise InputError(
+            f"{system.plan.path}: {instance.name}: its outputs do not answer small changes of its"
+            " inputs alike: the stability of its coupling cannot be predicted"
+        )
+    return *realise(sequence, smallest), direct, after
+
+
 def _sound(sequence: Values, again: Values) -> tuple[Values, float]:
     """Responses on which two sizes of nudge agree, and the share that is noise.
 
@@ -305,25 +318,6 @@ def _sound(sequence: Values, again: Values) -> tuple[Values, float]:
     sound = noise < DOUBTFUL
     kept = np.where(sound[None, :, None], sequence, 0.0)
     return kept, max(NOISE, 10.0 * float(noise[sound].max(initial=0.0)))
-
-
-def _unconnected(
-    system: System, coupled: CoupledInstance, free: list[int], own: list[int], shown: list[int]
-) -> InstanceModel:
-    """An instance that takes no value of others, or gives none: it has no part in the map."""
-    gain = np.zeros((len(own), len(free)))
-    return InstanceModel(
-        name=coupled.instance.name,
-        inputs=[coupled.arriving[k].input.name for k in free],
-        outputs=[system.names[k] for k in own],
-        a=np.zeros((0, 0)),
-        b=np.zeros((0, len(free))),
-        c=np.zeros((len(own), 0)),
-        d=gain,
-        e=gain,
-        wires=_wiring(system, coupled, free, shown),
-        rows=np.array([shown.index(k) for k in own], dtype=np.intp),
-    )
 
 
 def _wiring(system: System, coupled: CoupledInstance, free: list[int], shown: list[int]) -> Values:
