@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -53,13 +54,13 @@ def metrics(source: Recorded | Outcome | xarray.Dataset, cycles: int | None = No
     settings = data.metrics or {}
     window = Window(data, cycles or int(settings.get("cycles", CYCLES)))
     defined = {str(k): str(v) for k, v in settings.items() if k != "cycles"}
-    return list(_found(window, defined or _unasked(window), data.metric_errors))
+    return list(_found(window, texts_of(defined, window.units), data.metric_errors))
 
 
-def _unasked(window: Window) -> dict[str, str]:
-    return {
-        f"last {name}": f"last({json.dumps(name)})" for name in list(window.units)[:MOST_UNASKED]
-    }
+def texts_of(defined: Mapping[str, str], names: Iterable[str]) -> Mapping[str, str]:
+    """Expressions by metric: those defined, else the last values of the first of the variables."""
+    first = itertools.islice(names, MOST_UNASKED)
+    return defined or {f"last {name}": f"last({json.dumps(name)})" for name in first}
 
 
 def _found(

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-
-from ...results.metrics import MOST_UNASKED
+from ...results.metrics import texts_of
 from ...scenario.metric_expression import expression_of, unit_of
 from ...scenario.plan import Plan
 
@@ -16,9 +14,8 @@ def shown_units(plan: Plan) -> dict[str, str]:
     frequency and a phase of what does not move.
     """
     units = {f"{component}.{variable.name}": variable.unit for component, variable in plan.records}
-    unasked = {f"last {name}": f"last({json.dumps(name)})" for name in list(units)[:MOST_UNASKED]}
-    defined = plan.scenario.metrics.defined or unasked
-    expressions = {name: expression_of(text) for name, text in defined.items()}
+    texts = texts_of(plan.scenario.metrics.defined, units)
+    expressions = {name: expression_of(text) for name, text in texts.items()}
     return {
         name: unit_of(expression, units)
         for name, expression in expressions.items()
