@@ -20,11 +20,11 @@ from .table import Table, Values
 TEXTS = (".csv", ".txt", ".tsv", ".dat", ".asc")
 LARGEST = 512 << 20
 """Bytes that a recording may have, packed and unpacked, unless the scenario sets `memory`."""
+OVERFLOW = (9.9e37, 9.91e37)
+"""What instruments of the SCPI standard write for infinity and for no number."""
 ALIKE = 0.01
 EVEN = 0.9
 LONG = 1.5
-OVERFLOW = (9.9e37, 9.91e37)
-"""What instruments of the SCPI standard write for infinity and for no number."""
 """Where nine steps of ten are alike within a hundredth, one that is longer by half is a gap."""
 
 

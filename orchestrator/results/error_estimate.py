@@ -98,13 +98,8 @@ def _unseen(
             continue
         apart = _stair(finer[:, columns])
         if apart:
-            yield (
-                component,
-                (
-                    f"its outputs change at every {apart}th of the half steps at most:"
-                    " the error of a step of its own is not in the estimate"
-                ),
-            )
+            text = f"its outputs change at every {apart}th of the half steps at most"
+            yield component, f"{text}: the error of a step of its own is not in the estimate"
 
 
 def _stair(rows: Values) -> int:

@@ -207,9 +207,7 @@ def _overlaid(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
     for key, value in top.items():
         old = merged.get(key)
         if isinstance(value, dict) and isinstance(old, dict):
-            if "data" in value and value["data"] != old.get("data"):
-                merged[key] = value
-            elif "fmu" in value and value["fmu"] != old.get("fmu"):
+            if _is_other(value, old):
                 merged[key] = _exchanged(old, value)
             else:
                 merged[key] = _overlaid(old, value)
@@ -228,7 +226,12 @@ def claim(component: dict[str, Any], start: dict[str, Any]) -> None:
 
 
 def _exchanged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
-    """A component with another FMU, which keeps the start values that it does not give itself."""
+    """A component with another source: an FMU keeps the start values that it does not give itself.
+
+    A recording has none.
+    """
+    if "data" in new:
+        return new
     kept, given = old.get("start", {}), new.get("start", {})
     inherited = [name for name in kept if name not in given]
     if not inherited:

@@ -144,7 +144,7 @@ class Units:
 
     def __init__(self, root: Any) -> None:
         self._texts: dict[str | None, str] = {}
-        self.faults: list[tuple[Any, str]] = []
+        self._faults: list[tuple[Any, str]] = []
         for unit in root.findall("UnitDefinitions/Unit"):
             name, base = unit.get("name") or "", unit.find("BaseUnit")
             self._texts[name] = name
@@ -154,7 +154,12 @@ class Units:
                 self._texts[name] = declared(name, Definition.of(base.attrib))
             except ValueError as error:
                 fault = f"unit {_quoted(name)} has no base units that are numbers"
-                self.faults.append((unit, f"{fault} ({printable(str(error))}); its name counts"))
+                self._faults.append((unit, f"{fault} ({printable(str(error))}); its name counts"))
+
+    def report(self, findings: Findings) -> None:
+        """Note the definitions that cannot be read."""
+        for unit, fault in self._faults:
+            findings.warn(unit.sourceline, fault, "base units")
 
     def text(self, name: str | None) -> str:
         """Unit of a variable; an undefined name as it is."""

@@ -29,8 +29,7 @@ TYPED = ("Real", "Integer", "Boolean", "String", "Enumeration")
 def check(root: Any, findings: Findings) -> None:
     """Check names, references, start values, bounds, units and types of all variables."""
     units = Units(root)
-    for unit, fault in units.faults:
-        findings.warn(unit.sourceline, fault, "base units")
+    units.report(findings)
     types = {entry.get("name"): entry for entry in root.findall("TypeDefinitions/SimpleType")}
     for name, entry in types.items():
         for typed in entry:

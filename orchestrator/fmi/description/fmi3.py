@@ -32,8 +32,7 @@ TYPED = ({*BOUNDED} - {"Real", "Integer"}) | {"Boolean", "String", "Binary", "Cl
 def check(root: Any, findings: Findings) -> None:
     """Check names, references, start values, bounds, units and dimensions of all variables."""
     units = Units(root)
-    for unit, fault in units.faults:
-        findings.warn(unit.sourceline, fault, "base units")
+    units.report(findings)
     types = {entry.get("name"): entry for entry in root.findall("TypeDefinitions/*")}
     for name, entry in types.items():
         check_choices(entry, findings)
