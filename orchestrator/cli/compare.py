@@ -37,24 +37,21 @@ def compare(
     Example: resilin compare results/flapping-full-wings.nc results/slower.nc
     """
     from ..results.comparison import compared
-    from ..results.netcdf import opened
     from ..results.plot import overlay
-    from ..results.recorded import recorded
+    from ..results.recorded import read_recorded
 
     with common.reported():
         names = common.run_names([one, other])
-        with opened(one) as first, opened(other) as second:
-            runs = dict(zip(names, (recorded(first), recorded(second)), strict=True))
-            found = compared(*runs.values(), patterns=variables)
-            if output is not None:
-                overlay(runs, output, variables)
+        runs = {name: read_recorded(path) for name, path in names.items()}
+        found = compared(*runs.values(), patterns=variables)
+        if output is not None:
+            overlay(runs, output, variables)
     if json:
         common.print_json(_facts(found, names))
         return
-    from rich.console import Console
     from rich.text import Text
 
-    console = Console()
+    console = common.console()
     for table in _tables(found, list(names)):
         console.print(table)
     for name, lacking in zip(names, found.missing, strict=True):

@@ -45,12 +45,12 @@ def start_values(ctx: typer.Context, incomplete: str) -> list[tuple[str, str]]:
     """Parameters of the scenario on the line, as `component.parameter=`, with their meaning."""
     from ..scenario.library import LIBRARY
     from ..scenario.part_inspection import PARAMETERS
-    from ..simulation.load import load
+    from ..simulation.load import unloaded
 
     # behind an option that waits for its value, the parser leaves arguments in `args`
     scenario = ctx.params.get("scenario") or next(iter(ctx.args), "")
     with suppress(ResilinError, OSError):
-        plan = load(scenario, library=Path(ctx.params.get("fmus") or LIBRARY))
+        plan = unloaded(scenario, library=Path(ctx.params.get("fmus") or LIBRARY))
         return [
             (text, variable.description)
             for component, interface in plan.interfaces.items()

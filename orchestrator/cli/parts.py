@@ -49,11 +49,9 @@ def show(part: str, library: Path, json: bool) -> None:
     if json:
         common.print_json(part_facts(interface))
         return
-    from rich.console import Console
-
     typer.echo(f"{interface.path}: {description_of(interface.path)}")
     for table in part_tables(interface):
-        Console().print(table)
+        common.console().print(table)
 
 
 def _list(library: Path, json: bool) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
@@ -40,19 +39,19 @@ def plot(
 
     Example: resilin plot results/flapping-full-wings.nc --variable "linkage.*_energy"
     """
-    from ..results.netcdf import is_sweep, opened_file
     from ..results.plot import CYCLES, overlay
-    from ..results.recorded import read_recorded
+    from ..results.recorded import attributes_of, is_sweep, read_recorded
 
-    with common.reported(), ExitStack() as stack:
-        first = stack.enter_context(opened_file(results[0]))
-        if len(results) == 1 and is_sweep(first.attrs):
+    with common.reported():
+        if len(results) == 1 and is_sweep(attributes_of(results[0])):
+            from ..results.netcdf import opened_file
             from ..studies.sweep.dataset import over_axes
             from ..studies.sweep.plot import draw
 
             if cycles is not None:
                 raise InputError(f"--cycles: {results[0]} is a sweep, which has no time")
-            drawn = draw(over_axes(first), output or results[0].with_suffix(".png"), variables)
+            with opened_file(results[0]) as data:
+                drawn = draw(over_axes(data), output or results[0].with_suffix(".png"), variables)
         else:
             runs = {name: read_recorded(path) for name, path in common.run_names(results).items()}
             target = output or results[0].with_name(f"{'-'.join(p.stem for p in results)}.png")

@@ -46,7 +46,6 @@ def results(
     if not found:
         typer.echo(f"no results in {folder}")
         return
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
@@ -59,4 +58,4 @@ def results(
         title = f"\n{printable(entry.title)}" if entry.title else ""
         holds = f"{entry.kind}\n{entry.extent}"
         table.add_row(Text(f"{name}{title}"), holds, f"{entry.written:%d %b %H:%M}")
-    Console().print(table)
+    common.console().print(table)

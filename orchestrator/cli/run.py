@@ -120,7 +120,7 @@ def _show(
     from ..results.recorded import read_recorded, recorded
 
     drawn: Path | None = None
-    data = recorded(outcome) if outcome.segments is None else read_recorded(written)
+    data = read_recorded(written) if outcome.segments else recorded(outcome)
     if plot and data.series:
         drawn = _drawn(data, written)
     if quiet:

@@ -87,9 +87,9 @@ def _scaled(label: Any, scale: Any, limits: Any, axis: Axis) -> None:
         limits(axis.least, axis.most)
 
 
-def plain(text: str) -> str:
+def plain(text: str, *, most: int = 200) -> str:
     """Foreign text, escaped, also the dollars between which matplotlib reads formulas."""
-    return printable(text).replace("$", r"\$")
+    return printable(text, most=most).replace("$", r"\$")
 
 
 def _undated(path: Path) -> dict[str, Any]:

@@ -8,7 +8,8 @@ from datetime import datetime
 from pathlib import Path
 
 from ..errors import InputError
-from .netcdf import is_sweep, netcdf_name
+from .netcdf import netcdf_name
+from .recorded import is_sweep
 
 
 @dataclass(frozen=True)

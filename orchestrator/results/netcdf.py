@@ -11,7 +11,7 @@ import json
 import re
 import tempfile
 import unicodedata
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
@@ -143,22 +143,6 @@ def opened_file(path: Path) -> Iterator[xarray.Dataset]:
         raise InputError(f"{path}: not a result that can be read ({error})") from None
     with data:
         yield data
-
-
-@contextmanager
-def opened(path: Path) -> Iterator[xarray.Dataset]:
-    """The result of a run to read; `InputError` where a file is not one, or has no rows."""
-    with opened_file(path) as data:
-        if is_sweep(data.attrs):
-            raise InputError(f"{path}: is a sweep; this takes the result of a run")
-        if "time" not in data.coords or not data.sizes["time"]:
-            raise InputError(f"{path}: holds no rows over time")
-        yield data
-
-
-def is_sweep(attributes: Mapping[Any, Any]) -> bool:
-    """Whether a file with these attributes is the result of a sweep."""
-    return "axes" in attributes
 
 
 def partial_path(path: Path) -> Path:

@@ -27,7 +27,6 @@ STYLES = ("-", "--", ":", "-.")
 """Lines of the runs that are drawn over each other."""
 
 
-@standard_settings()
 def draw(
     source: Recorded | Outcome | xarray.Dataset,
     path: Path,
@@ -42,6 +41,7 @@ def draw(
     return overlay({"": recorded(source)}, path, patterns, cycles)
 
 
+@standard_settings()
 def overlay(
     runs: Mapping[str, Recorded],
     path: Path,

@@ -6,7 +6,8 @@ Metrics and plots read them from here, so that neither needs the library that la
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -95,12 +96,30 @@ def _metric_errors(attributes: Mapping[str, Any]) -> dict[str, float]:
         return {}
 
 
-def read_recorded(path: Path) -> Recorded:
-    """The series of a result file, all in memory.
+def is_sweep(attributes: Mapping[Any, Any]) -> bool:
+    """Whether a file with these attributes is the result of a sweep."""
+    return "axes" in attributes
 
-    Raises `InputError` where there is none, where it is not a result, or where a variable of it
-    is damaged.
+
+def attributes_of(path: Path) -> dict[str, str]:
+    """Attributes of a result file, a run's or a sweep's; `InputError` where it is not one."""
+    with _opened(path) as (file, _):
+        return file.attributes
+
+
+def read_recorded(path: Path) -> Recorded:
+    """The series of a run's result file, all in memory.
+
+    Raises `InputError` where there is none, where it is not a result of a run, or where a variable
+    of it is damaged.
     """
+    with _opened(path) as (file, most):
+        return _of_file(path, file, most)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[BinaryFile, int]]:
+    """A file in its guarded reader, and how many bytes it may unpack."""
     from ..recording.binary_process import opened
 
     if not is_file(path):
@@ -110,12 +129,14 @@ def read_recorded(path: Path) -> Recorded:
     most = MOST_PACKED * path.stat().st_size
     try:
         with opened(path, "netCDF", most) as file:
-            return _of_file(path, file, most)
+            yield file, most
     except RecordingError as error:
         raise InputError(error.problems) from None
 
 
 def _of_file(path: Path, file: BinaryFile, most: int) -> Recorded:
+    if is_sweep(file.attributes):
+        raise InputError(f"{path}: is a sweep; this takes the result of a run")
     places = {column.name: k for k, column in enumerate(file.columns)}
     rows = file.columns[places["time"]].rows if "time" in places else 0
     if not rows:

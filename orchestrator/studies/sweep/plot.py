@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import InputError, nearest, printable
-from ...report.image import save_figure
+from ...report.image import plain, save_figure, standard_settings
 from .table import metric_names, shown_in
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ MARKED = 40
 """Most points of a line that are marked one by one."""
 
 
+@standard_settings()
 def draw(data: xarray.Dataset, path: Path, patterns: Sequence[str] | None = None) -> Path:
     """Draw the metrics that match, or all that vary, each in a panel of its own.
 
@@ -133,4 +134,4 @@ def _labelled(axis: xarray.DataArray) -> str:
 
 
 def _plain(text: str) -> str:
-    return printable(text, most=80).replace("$", r"\$")
+    return plain(text, most=80)

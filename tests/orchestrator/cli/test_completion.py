@@ -49,3 +49,13 @@ def test_parts_are_offered(library: Path) -> None:
 def test_a_wrong_line_offers_nothing(tmp_path: Path) -> None:
     assert offered("run", "oscilator-1", "--fmus", tmp_path, "--set", "payload.") == []
     assert offered("parts", "--fmus", tmp_path / "none", "ampl") == []
+
+
+def test_start_values_are_offered_without_loading_an_fmu(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A step that is left open would be found by running the FMUs."""
+    path = tmp_path / "open.toml"
+    path.write_text('extends = "oscillator-1"\n[time]\nstep = "auto"\n')
+    monkeypatch.setattr("orchestrator.simulation.auto_step.automatic_step", None)
+    assert offered("run", path, "--fmus", library, "--set", "payload.ma") == ["payload.mass="]

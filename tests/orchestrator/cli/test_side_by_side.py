@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import matplotlib
 import pytest
 import xarray
 from typer.testing import CliRunner, Result
@@ -103,3 +104,17 @@ def test_plot_draws_runs_over_each_other(two: Path) -> None:
     wrong = resilin("plot", *pair, "--variable", "payload.displacment")
     assert wrong.exit_code == 2
     assert "did you mean 'payload.displacement'" in wrong.stderr
+
+
+def test_texts_in_tables_and_settings_of_plots_are_not_obeyed(two: Path, desk: Path) -> None:
+    """Brackets are no markup, and what a matplotlibrc has set changes no plot."""
+    (two / "heavy.nc").rename(two / "[red]heavy.nc")
+    pair = ("results/oscillator-1.nc", "results/[red]heavy.nc")
+    assert "[red]heavy" in resilin("results").stdout
+    shown = resilin("compare", *pair, "--output", "plain.svg")
+    assert shown.exit_code == 0, shown.output
+    assert "[red]heavy" in shown.stdout
+    for name in ("plain.png", "again.png"):
+        with matplotlib.rc_context({"figure.facecolor": "red" if name == "again.png" else "white"}):
+            assert resilin("plot", *pair, "--output", name).exit_code == 0
+    assert (desk / "plain.png").read_bytes() == (desk / "again.png").read_bytes()
