@@ -24,7 +24,7 @@ from orchestrator.fmi.description import read_interface
 from orchestrator.fmi.instance import InProcessInstance, in_process
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import GaussSeidel
-from orchestrator.simulation.run import advance
+from orchestrator.simulation.stepping import advance
 from orchestrator.simulation.system import System
 
 KINDS = (Path("build/fmus"), Path("build/native"))

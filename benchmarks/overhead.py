@@ -15,7 +15,7 @@ from time import perf_counter
 from orchestrator.scenario.plan import Plan
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import GaussSeidel
-from orchestrator.simulation.run import advance
+from orchestrator.simulation.stepping import advance
 from orchestrator.simulation.system import System
 
 STEPS = 1000

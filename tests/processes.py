@@ -17,7 +17,7 @@ MARK = "RESILIN_TEST_MARK"
 """Name in the environment by which the processes of one test are known."""
 REACHED = "RESILIN_TEST_REACHED"
 """Name in the environment of the file that FAULTY makes when its fault_time is reached."""
-HOST = "orchestrator.fmi.instance.isolated_child"
+HOSTS = {"orchestrator.fmi.instance.isolated_child", "orchestrator.simulation.guarded.child"}
 POLL = 0.02
 LAUNCHER = """
 import os, signal, sys
@@ -113,8 +113,8 @@ def marked(word: str) -> list[psutil.Process]:
 
 
 def hosts(word: str) -> list[psutil.Process]:
-    """Those of them that are the processes of isolated instances."""
-    return [process for process in marked(word) if HOST in _command(process)]
+    """Those of them that are the processes of guarded runs and isolated instances."""
+    return [process for process in marked(word) if HOSTS & {*_command(process)}]
 
 
 def _command(process: psutil.Process) -> list[str]:

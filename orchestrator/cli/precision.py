@@ -42,6 +42,13 @@ def precision(
         list[str] | None,
         typer.Option(help="Variable whose error counts; the leading ones if none."),
     ] = None,
+    use: Annotated[
+        float | None,
+        typer.Option(
+            help="Write a scenario with the cheapest setting for this error, as 1e-3:"
+            " SCENARIO-0.001.toml."
+        ),
+    ] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Runs whose least wall time counts.")] = 3,
     output: Annotated[
         Path | None, typer.Option(help="CSV; results/SCENARIO.precision.csv if not given.")
@@ -60,6 +67,7 @@ def precision(
     """
     from ..errors import InputError
     from ..simulation.interrupt import Interrupt
+    from ..studies.precision.chosen_setting import write_setting
     from ..studies.precision.page import page
     from ..studies.precision.study import FACTORS
     from ..studies.precision.study import precision as study_precision
@@ -83,6 +91,8 @@ def precision(
             raise InputError("--factor: has to be above zero")
         if any(not 0.0 < t < 1.0 for t in tolerance or []):
             raise InputError("--tolerance: has to be between 0 and 1")
+        if use is not None and not 0.0 < use < 1.0:
+            raise InputError("--use: has to be between 0 and 1")
         files.prepare()
         study = study_precision(
             scenario,
@@ -100,11 +110,18 @@ def precision(
             tell=tell,
         )
         files.write(study, table=write, plot=draw, page=page)
+        found = common.library(fmus, native)
+        written = None
+        if use is not None:
+            changes = common.assignments(set_)
+            written = write_setting(study, scenario, use, found, changes=changes, stop=stop)
     if json:
         common.print_json({"reference": study.reference, "runs": facts(study)})
     elif not quiet:
         _report(study)
         files.report()
+        if written is not None:
+            typer.echo(f"{'scenario:':8} {written}")
 
 
 def _report(study: Study) -> None:

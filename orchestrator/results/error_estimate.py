@@ -59,7 +59,7 @@ def with_estimates(outcome: Outcome, finer: Outcome) -> Outcome:
         outcome,
         estimates={name: estimate(shared[:, k], closer[:, k]) for k, name in real.items()},
         metric_errors=_metric_errors(_of_rows(outcome, times, rows), recorded(finer)),
-        unseen=dict(_unseen(outcome, shared, closer, finer.rows)),
+        unseen={**outcome.unseen, **dict(_unseen(outcome, shared, closer, finer.rows))},
     )
 
 
@@ -84,9 +84,18 @@ def _unseen(
 ) -> Iterator[tuple[str, str]]:
     """What an estimate does not show, by variable or by component, with the reason."""
     places: dict[str, list[int]] = {}
+    plan = outcome.plan
+    wired = {f"{c.source}.{c.output.name}" for c in plan.connections}
+    located = plan.scenario.time.tolerance is not None and plan.rolls_back
     for k, (component, variable) in enumerate(outcome.plan.records):
         if variable.real:
             places.setdefault(component, []).append(k)
+            continue
+        if variable.switches and outcome.names[k] in wired:
+            turns = int(np.count_nonzero(finer[1:, k] != finer[:-1, k]))
+            if turns and not located:
+                text = f"switches {turns} times, each up to a step late, which adds up unseen"
+                yield outcome.names[k], f"{text}; a tolerance locates them"
             continue
         differ = int(np.count_nonzero(shared[:, k] != closer[:, k]))
         if differ:

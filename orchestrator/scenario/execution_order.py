@@ -12,12 +12,13 @@ def order_of(scenario: Scenario, connections: list[Connection], problems: Proble
 
     A component comes after those that feed it, otherwise in the scenario's order. Components of a
     loop keep the scenario's order among themselves: the scenario decides which end of a loop is
-    extrapolated.
+    extrapolated. Only `deciders` come last, so that what they decide by is of the same step.
     """
     listed = list(scenario.components)
     given = scenario.master.order
     if not given:
-        return _derived(listed, connections)
+        last = deciders(connections)
+        return _derived(sorted(listed, key=lambda name: name in last), connections)
     for name in given:
         if name not in listed:
             problems.add("master.order", f"no component {name!r}; {nearest(name, listed)}")
@@ -27,6 +28,12 @@ def order_of(scenario: Scenario, connections: list[Connection], problems: Proble
     elif not unknown and (missing := [name for name in listed if name not in given]):
         problems.add("master.order", f"{', '.join(missing)} is missing")
     return list(given)
+
+
+def deciders(connections: list[Connection]) -> set[str]:
+    """Components that put nothing but switches, choices and whole numbers on wires."""
+    numbers = {c.source for c in connections if c.output.real}
+    return {c.source for c in connections} - numbers
 
 
 def _derived(listed: list[str], connections: list[Connection]) -> list[str]:

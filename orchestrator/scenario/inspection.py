@@ -10,6 +10,7 @@ from ..report.notebook import Card, of_terminal
 from .connections import Connection
 from .execution_order import reachable
 from .plan import Plan
+from .processes import MASTERS, process_of
 from .schema import AUTO
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def facts(plan: Plan) -> dict[str, Any]:
                 "fmu": str(known.path),
                 "guid": known.guid,
                 "fmi": known.version,
-                "isolated": is_isolated(plan, name),
+                "isolated": process_of(plan, name) != MASTERS,
                 "rollback": known.rollback,
                 "variable_step": known.variable_step,
                 "ports": known.ports(),
@@ -82,12 +83,6 @@ def facts(plan: Plan) -> dict[str, Any]:
             "frequency": plan.frequency,
         },
     }
-
-
-def is_isolated(plan: Plan, name: str) -> bool:
-    """Whether a component runs in a process of its own, as far as is known before it is loaded."""
-    asked = plan.scenario.components[name].isolate
-    return not plan.interfaces[name].ours if asked is None else asked
 
 
 def _is_open(plan: Plan) -> bool:
@@ -135,7 +130,7 @@ def _components(plan: Plan) -> Table:
             name,
             interface.path.name,
             interface.guid[:8],
-            "its own" if is_isolated(plan, name) else "the master's",
+            process_of(plan, name),
             "yes" if interface.rollback else "no",
             ", ".join(interface.ports()),
             ", ".join(starts),

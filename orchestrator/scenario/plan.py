@@ -44,11 +44,11 @@ NOT_BUILT_HERE = (
 class Plan:
     """A checked scenario: what to load, how it is wired, when it communicates, what is kept.
 
-    `limits` holds for isolated instances; `keep_from` is the time [s] from which rows are kept;
-    `step_reason` is the reason for the step where the scenario left it open. `recordings` take the
-    place of parts; `dropped` lists what the scenario loses by that, and by other FMUs in the place
-    of those of a base scenario. `digests` are the SHA-256 of the components' files, taken when they
-    were checked.
+    `limits` holds outside the master's process; `keep_from` is the time [s] from which rows are
+    kept; `step_reason` is the reason for the step where the scenario left it open. `recordings`
+    take the place of parts; `dropped` lists what the scenario loses by that, and by other FMUs in
+    the place of those of a base scenario. `digests` are the SHA-256 of the components' files, taken
+    when they were checked.
     """
 
     scenario: Scenario
@@ -72,8 +72,11 @@ class Plan:
 
     @property
     def leading(self) -> list[str]:
-        """Recorded variables whose errors count: `record.leading`, else what is wired, else all."""
-        names = [f"{name}.{variable.name}" for name, variable in self.records]
+        """Recorded variables whose errors count: `record.leading`, else what is wired, else all.
+
+        Only real numbers are among them: what switches is right or wrong, and not by a share.
+        """
+        names = [f"{name}.{variable.name}" for name, variable in self.records if variable.real]
         patterns = self.scenario.record.leading
         chosen = [n for n in names if any(_matches(n, pattern) for pattern in patterns)]
         wired = {f"{c.source}.{c.output.name}" for c in self.connections if not c.output.order}
@@ -83,6 +86,11 @@ class Plan:
     def fixed_step(self) -> list[str]:
         """Components that take steps of one size only."""
         return [name for name, known in self.interfaces.items() if not known.variable_step]
+
+    @property
+    def rolls_back(self) -> bool:
+        """Whether every instance can go back to a saved state."""
+        return all(known.rollback for known in self.interfaces.values())
 
     def _repr_html_(self) -> str:
         """What a notebook shows: what `resilin inspect` does."""
@@ -163,7 +171,7 @@ def usual(connections: list[Connection]) -> str:
 
 
 def _limits(scenario: Scenario, problems: Problems) -> dict[str, Limits]:
-    """Time of a call and memory that each isolated instance may take."""
+    """Time of a call, and memory, that each instance may take outside the master's process."""
     limits = {}
     for name, component in scenario.components.items():
         values = {}
@@ -330,6 +338,8 @@ def _interfaces(
                 problems.add(f"components.{name}.fmu", error)
                 continue
         interfaces[name] = known[file]
+        if not component.rollback:
+            interfaces[name] = replace(known[file], rollback=False)
         for warning in interfaces[name].warnings if scenario.strict else ():
             problems.add(f"components.{name}.fmu", f"{file}: modelDescription.xml: {warning}")
     return interfaces

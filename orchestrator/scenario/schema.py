@@ -45,11 +45,12 @@ class Component(RecordingSettings):
     """A built part by name or any FMU by path, with its start values; or a recording.
 
     The start values named in `inherited` are those that a base scenario has for another FMU in this
-    place; they are dropped unless all of them fit. `isolate` puts it into a process of its own, or
-    keeps it out of one; there `patience` is the time that one call may take, and `memory` what it
-    may allocate. `stop_time = false` keeps the end of the run from an FMU that would integrate up
-    to it at once. A recording is the file `data` with the keys of docs/reference/recordings.md;
-    `memory` is how large it may be.
+    place; they are dropped unless all of them fit. `isolate` puts it into a process to itself, or
+    into the master's; outside the master's `patience` is the time that one call may take, and
+    `memory` what may be allocated. `stop_time = false` keeps the end of the run from an FMU that
+    would integrate up to it at once, `rollback = false` does without its saved states. A recording
+    is the file `data` with the keys of docs/reference/recordings.md; `memory` is how large it may
+    be.
     """
 
     fmu: Text | None = None
@@ -58,6 +59,7 @@ class Component(RecordingSettings):
     isolate: Flag | None = None
     patience: Quantity | None = None
     stop_time: Flag = True
+    rollback: Flag = True
 
     @model_validator(mode="after")
     def _one_source(self) -> Component:
@@ -71,7 +73,7 @@ class Component(RecordingSettings):
             foreign = given & RECORDED
             fault = ": means nothing without data, the file of a recording"
         else:
-            foreign = given & {"start", "isolate", "patience", "stop_time"}
+            foreign = given & {"start", "isolate", "patience", "stop_time", "rollback"}
             fault = ": means nothing to a recording, which has no parameters and runs in no process"
         if self.repeat is not False and not foreign:
             foreign = given & {"before", "after"}

@@ -18,13 +18,14 @@ class CoupledInstance:
     `buffer` holds all inputs that are sent to the instance: first the wired ones (`inputs`, from
     the places `sources` of the system's values), then the held ones (`held`: name to place).
     `arriving` are the connections behind the wired ones. `plain` are those wired inputs that
-    arrive as bare real numbers, without a law. `direct` is true where an output in use follows
-    an input without a step between.
+    arrive as bare real numbers, without a law, and may be held at a mean over a step; one that
+    `decides`, that puts out nothing but switches, gets them as they are. `direct` is true where an
+    output in use follows an input without a step between.
     """
 
     def __init__(
         self, instance: Instance, values: Values, stretch: slice, arriving: list[Connection],
-        sources: Indices, held: dict[str, float],
+        sources: Indices, held: dict[str, float], decides: bool = False,
     ) -> None:  # fmt: skip
         self.instance = instance
         self.sources = sources
@@ -36,7 +37,8 @@ class CoupledInstance:
         self.held = {name: count + k for k, name in enumerate(held)}
         self.buffer[count:] = list(held.values())
         self.direct = False
-        self.plain = _plain(arriving)
+        self.decides = decides
+        self.plain = _plain([] if decides else arriving)
         self._values = values
         self.moves = _moves(self.inputs, values, sources)
         self._gain: Values | None = None

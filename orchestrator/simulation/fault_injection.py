@@ -23,15 +23,11 @@ class FaultyInstance(Instance):
     def __init__(self, instance: Instance, faults: Sequence[Fault]) -> None:
         super().__init__(instance.name, instance.interface)
         self._instance = instance
+        self._log = instance._log
         self._drops = [fault for fault in faults if fault.kind == "drop"]
         self._falsified = [fault for fault in faults if fault.kind != "drop"]
         self._places: list[list[int]] = []
         self._time = 0.0
-
-    @property
-    def messages(self) -> list[str]:
-        """Log messages of the wrapped instance."""
-        return self._instance.messages
 
     def prepare(
         self,
@@ -91,7 +87,7 @@ class FaultyInstance(Instance):
         self._instance.step(time, size)
         self._time = time + size
         self.steps, self.rollbacks = self._instance.steps, self._instance.rollbacks
-        self.warned, self.warning = self._instance.warned, self._instance.warning
+        self.warned = self._instance.warned
 
     def receive(self, group: int = -1) -> None:
         """Read the outputs, then falsify those that have a fault at this time."""

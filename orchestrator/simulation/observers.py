@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ..errors import Divergence, InputError, ObserverError
 from ..fmi.description import Variable
-from ..results.segments import Segments
 from ..scenario.plan import Plan
 from .system import System
 from .view import View
@@ -110,6 +109,22 @@ class Observed:
         )
 
 
+class Sink(Protocol):
+    """Takes the rows of a long run off memory, as `Segments` do."""
+
+    def write(self, times: Values, rows: Values) -> None: ...
+
+
+class Memory:
+    """Where rows are in memory: arrays that are replaced by longer ones, with the same rows."""
+
+    def extended(self, times: Values, rows: Values, length: int) -> tuple[Values, Values]:
+        """Times and rows of this length, which begin with the given ones."""
+        more_times, more_rows = np.empty(length), np.empty((length, rows.shape[1]))
+        more_times[: len(times)], more_rows[: len(rows)] = times, rows
+        return more_times, more_rows
+
+
 class Recorder:
     """Rows of the recorded values, each stamped with the time at which it holds.
 
@@ -120,7 +135,13 @@ class Recorder:
     SEGMENT = 16 << 20
     PATIENCE = 60.0
 
-    def __init__(self, system: System, every: int, segments: Segments | None = None) -> None:
+    def __init__(
+        self,
+        system: System,
+        every: int,
+        segments: Sink | None = None,
+        memory: Memory | None = None,
+    ) -> None:
         place = {name: index for index, name in enumerate(system.names)}
         self.names = [f"{name}.{variable.name}" for name, variable in system.plan.records]
         self._columns = np.array([place[name] for name in self.names], dtype=np.intp)
@@ -130,30 +151,31 @@ class Recorder:
         self._full = max(256, self.SEGMENT // (8 * (len(self.names) + 1)))
         self._written = perf_counter()
         expected = system.plan.grid.count // every + 2
-        self._rows: Values = np.empty((min(expected, 1 << 14), len(self.names)))
-        self._times: Values = np.empty(len(self._rows))
+        self._memory = memory or Memory()
+        self._times: Values = np.empty(0)
+        self._rows: Values = np.empty((0, len(self.names)))
+        self._grow(min(expected, 1 << 14))
         self.count = 0
 
     def sample(self, system: System, step: int, time: float) -> None:
         if step % self.every or time < self.begin:
             return
         if self.count == len(self._times):
-            self._grow()
+            self._grow(2 * self.count)
         np.take(system.values, self._columns, out=self._rows[self.count])
         self._times[self.count] = time
         self.count += 1
         if self._segments is not None and self.count % 256 == 0:
             self.write_if_late()
 
-    def _grow(self) -> None:
-        self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
-        self._times = np.concatenate([self._times, np.empty_like(self._times)])
+    def _grow(self, length: int) -> None:
+        self._times, self._rows = self._memory.extended(self._times, self._rows, length)
 
     def make_room(self) -> None:
         """Have room for at least one more row: in memory, or by closing a segment."""
         self.write_if_late()
         if self.count == len(self._times):
-            self._grow()
+            self._grow(2 * self.count)
 
     def write_if_late(self) -> bool:
         """Close a segment where one is full or due; whether rows have left memory."""
@@ -276,13 +298,17 @@ class Progress:
 
     PATIENCE = 1.0
 
-    def __init__(self, system: System) -> None:
-        self._stop = system.plan.grid.count
+    def __init__(self, plan: Plan) -> None:
+        self._stop = plan.grid.count
         self._begun = perf_counter()
         self._next = 0
         self._bar: object | None = None
 
     def sample(self, system: System, step: int, time: float) -> None:
+        self.move(step)
+
+    def move(self, step: int) -> None:
+        """Show how many steps have been taken."""
         if step < self._next:
             return
         self._next = step + max(1, self._stop // 200)

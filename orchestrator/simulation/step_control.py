@@ -15,6 +15,7 @@ from .masters import Master
 from .masters.extrapolation import Past, combined, point_weights
 from .observers import Watcher
 from .stepper import Stepper
+from .switch_location import SwitchLocation
 from .system import System
 
 LONGEST = 8.0
@@ -69,6 +70,11 @@ class Doubling:
         self._stepper.steps += 3
         self.points = [time + half, time + size]
         return np.abs(whole - system.values[self._columns])
+
+    @property
+    def before(self) -> Values:
+        """Values at the last point that was accepted."""
+        return self._moment.values
 
     def undo(self) -> None:
         self._stepper.system.restore(self._moment)
@@ -126,15 +132,17 @@ def adaptive(
     the tolerance: step over the time in which errors add up, `MEMORY` cycles. Where the scenario
     has no cycle it may use up all of it, as solvers of ODEs have it. A PI controller (Gustafsson
     1991) sets the next step; a step that misses by more is taken again, shorter, where all
-    instances roll back. Steps end at discontinuities.
+    instances roll back. Steps end at discontinuities that are announced, and where all instances
+    roll back, shortly after those that come as a switch on a wire: `switch_location`.
     """
     plan = system.plan
     grid = plan.grid
     stepper = Stepper(system, master)
     columns = coupling_columns(system)
-    able = all(known.rollback for known in plan.interfaces.values())
+    able = plan.rolls_back
     estimator = Doubling(stepper, columns) if able else Foresight(stepper, columns)
     control = Control(system, tolerance)
+    location = SwitchLocation(system, columns, tolerance, control.least)
     scale = np.abs(system.values[columns])
     time, points, rejected = grid.start, [grid.start], 0
     size = grid.step if able else 0.1 * grid.step
@@ -152,6 +160,14 @@ def adaptive(
                 raise
             miss = math.inf
         accepted, size = control.judge(miss, end - time, rejects=able)
+        if accepted and isinstance(estimator, Doubling):
+            if location.is_late(estimator.before, scale, end - time):
+                accepted, size, location.latest = False, control.halved(end - time), end
+            elif location.switched(estimator.before):
+                location.latest = math.inf
+                master.interrupt()
+            else:
+                size = location.next_size(size, end)
         if not accepted:
             estimator.undo()
             rejected += 1
@@ -201,6 +217,11 @@ class Control:
         self.least = SHORTEST * grid.step
         self.tolerance = tolerance
         self._before = 1.0
+
+    def halved(self, size: float) -> float:
+        """Half of a size that was rejected."""
+        self._before = 1.0
+        return max(self.least, 0.5 * size)
 
     def judge(self, miss: float, size: float, *, rejects: bool) -> tuple[bool, float]:
         """Whether a step is good enough, and the size of the next."""

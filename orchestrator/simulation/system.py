@@ -7,6 +7,7 @@ port is one slice assignment, recording a row one gather, and checking all value
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from contextlib import ExitStack, chdir
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,13 +19,16 @@ import numpy as np
 from ..errors import FmuError, InitialisationError, InstanceFailure, SimulationError
 from ..fmi.archive import extract
 from ..fmi.built import digest_of
-from ..fmi.description import EVENT, Variable
+from ..fmi.description import EVENT, Interface, Variable
 from ..fmi.instance import Instance, open_instance
 from ..scenario.actions import Action
-from ..scenario.execution_order import reachable
+from ..scenario.execution_order import deciders, reachable
 from ..scenario.plan import Plan
+from ..scenario.processes import needs_own
 from .coupled_instance import CoupledInstance, Indices, Values
 from .initialisation import InconsistentValues, make_consistent
+
+Opened = Callable[[str, Interface, Path], Instance]
 
 
 @dataclass(frozen=True)
@@ -43,11 +47,13 @@ class System:
     `wired` are the places of those that are wired. `instances` are in the execution order of the
     plan; `followers` are those whose outputs follow their inputs directly, in dependency order:
     after a step they are brought up to the new communication point. `residual` is the relative
-    residual of the initial values.
+    residual of the initial values. `opened` makes an instance of a name, its interface and the
+    folder that its FMU was unpacked in; by default it is made in the process where it belongs.
     """
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, opened: Opened | None = None) -> None:
         self.plan = plan
+        self._open = opened
         self.instances: list[CoupledInstance] = []
         self.followers: list[CoupledInstance] = []
         self.names: list[str] = []
@@ -162,30 +168,15 @@ class System:
         interface = plan.interfaces[name]
         if interface.path not in folders:
             folders[interface.path] = self._unpacked(interface.path, plan.digests[name])
-        isolate = plan.scenario.components[name].isolate
-        if isolate is None and interface.once:
-            alike = [n for n, other in plan.interfaces.items() if other is interface]
-            isolate = True if len(alike) > 1 else None
-        folder, limits = folders[interface.path], plan.limits[name]
-        return open_instance(name, interface, folder, isolate, limits, self._home())
-
-    def _home(self) -> Path:
-        """The scenario's folder, from where FMUs find files that their parameters name."""
-        folder = self.plan.path.resolve().parent
-        return folder if folder.is_dir() else Path.cwd()
+        folder = folders[interface.path]
+        if self._open is not None:
+            return self._open(name, interface, folder)
+        isolate = True if needs_own(plan, name) else plan.scenario.components[name].isolate
+        return open_instance(name, interface, folder, isolate, plan.limits[name], home(plan))
 
     def _unpacked(self, path: Path, digest: str) -> Path:
         """Folder with the content of an FMU, which has to be the one that the plan was made of."""
-        try:
-            made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
-        except OSError as error:
-            raise FmuError(
-                f"{path}: no folder for temporary files in {tempfile.tempdir}"
-                f" ({error.strerror}); set TMPDIR to one that exists and is writable"
-            ) from None
-        folder = Path(self._stack.enter_context(made))
-        if "%" in str(folder):
-            raise FmuError(f"{path}: FMUs do not load from {folder}; set TMPDIR to one without %")
+        folder = Path(self._stack.enter_context(temporary_folder(path)))
         extract(path, folder)
         if digest_of(path) != digest:
             raise FmuError(f"{path}: has changed since the scenario was loaded; load it again")
@@ -207,6 +198,7 @@ class System:
         sources = sorted({place[c.source, c.output.name] for c in plan.connections})
         self.wired = np.array(sources, dtype=np.intp)
         first = 0
+        deciding = deciders(plan.connections)
         for name in plan.order:
             count = sum(len(group) for group in groups[name])
             stretch = slice(first, first + count)
@@ -225,6 +217,7 @@ class System:
                 arriving=arriving,
                 sources=np.array(from_places, dtype=np.intp),
                 held=held,
+                decides=name in deciding,
             )
             inputs = [c.input for c in arriving]
             inputs += [plan.interfaces[name].variables[key] for key in held]
@@ -286,7 +279,7 @@ class System:
         """Initialisation mode of all instances, with values passed until nothing changes."""
         grid = self.plan.grid
         tolerance = self.plan.scenario.time.tolerance
-        with chdir(self._home()):
+        with chdir(home(self.plan)):
             for coupled in self.instances:
                 name = coupled.instance.name
                 stop = grid.stop if self.plan.scenario.components[name].stop_time else None
@@ -325,3 +318,24 @@ class System:
             f"{self.plan.path}: {name} = {value:g} does not settle at the start (still changing"
             f" by {error.change:.2g}); give other start values"
         )
+
+
+def temporary_folder(path: Path) -> tempfile.TemporaryDirectory[str]:
+    """A folder for what a file, named in errors, is unpacked into; `FmuError` without one."""
+    try:
+        made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise FmuError(
+            f"{path}: no folder for temporary files in {tempfile.tempdir}"
+            f" ({error.strerror}); set TMPDIR to one that exists and is writable"
+        ) from None
+    if "%" in made.name:
+        made.cleanup()
+        raise FmuError(f"{path}: FMUs do not load from {made.name}; set TMPDIR to one without %")
+    return made
+
+
+def home(plan: Plan) -> Path:
+    """The scenario's folder, from where FMUs find files that their parameters name."""
+    folder = plan.path.resolve().parent
+    return folder if folder.is_dir() else Path.cwd()

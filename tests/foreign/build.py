@@ -40,6 +40,7 @@ def foreign(
     *,
     version: int = 2,
     rollback: bool = True,
+    forgetful: bool = False,
     variable_step: bool = True,
     once: bool = False,
     fault: int = 0,
@@ -48,7 +49,8 @@ def foreign(
 ) -> Path:
     """Build one of `MODELS` into a folder and return its .fmu.
 
-    `rollback`, `variable_step` and `once` are both declared and enforced; `fault` is the start
+    `rollback`, `variable_step` and `once` are both declared and enforced; a `forgetful` one does
+    not go back to a saved state, though it says so; `fault` is the start
     value of FAULTY's parameter. `library` is the file name of the shared library, `name` the stem
     of the .fmu; both follow from the modelIdentifier by default.
     """
@@ -68,17 +70,29 @@ def foreign(
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         text = tostring(root, encoding="UTF-8", xml_declaration=True)
         archive.writestr("modelDescription.xml", text)
-        code = _compiled(model, version, fault, **options)
+        code = _compiled(model, version, fault, forgetful=forgetful, **options)
         archive.writestr(f"binaries/{platform}/{file}", code)
     return path
 
 
 @functools.cache
 def _compiled(
-    model: str, version: int, fault: int, *, rollback: bool, variable_step: bool, once: bool
+    model: str,
+    version: int,
+    fault: int,
+    *,
+    forgetful: bool,
+    rollback: bool,
+    variable_step: bool,
+    once: bool,
 ) -> bytes:
     """The shared library of a model; built once in a session for each set of options."""
-    switches = {"ROLLBACK": rollback, "VARIABLE_STEP": variable_step, "ONCE": once}
+    switches = {
+        "ROLLBACK": rollback,
+        "FORGETFUL": forgetful,
+        "VARIABLE_STEP": variable_step,
+        "ONCE": once,
+    }
     macros = [f"MODEL_{model}", f"FMI_VERSION={version}", f"FAULT={fault}"]
     macros += [macro for macro, wanted in switches.items() if wanted]
     with tempfile.TemporaryDirectory() as folder:

@@ -2,9 +2,10 @@
 Small co-simulation FMUs that stand for foreign ones: one model and one version of FMI per library.
 
   -DMODEL_PAIR | MODEL_MASS | MODEL_POPULATION | MODEL_GAIN | MODEL_TYPES | MODEL_DECAY
-  | MODEL_FAULTY
+  | MODEL_TANK | MODEL_RELAY | MODEL_FAULTY
   -DFMI_VERSION=2 | 3
   -DROLLBACK        the state can be taken, set back and freed; else these calls fail
+  -DFORGETFUL       setting it back is reported as done, and is not
   -DVARIABLE_STEP   steps of any size; else all must have the size of the first
   -DONCE            one instance in a process, ever
   -DFAULT=n         14 hangs FAULTY in instantiate; the others are its parameter, see `strike`
@@ -196,6 +197,40 @@ static void integrate(State *s, double size) { s->x *= exp((R(growth) + R(effect
 static void observe(State *s) { R(y) = R(gain) * R(u) + R(offset); }
 
 static void integrate(State *s, double size) { (void)s, (void)size; }
+
+#elif defined MODEL_TANK
+
+static void observe(State *s)
+{
+    if (!s->ready)
+        s->x = R(start_level);
+    R(level) = s->x;
+}
+
+/* Exact: x' = on inflow - k x. */
+static void integrate(State *s, double size)
+{
+    const double rest = AT(open, Boolean) ? R(inflow) / R(k) : 0.0;
+    s->x = rest + (s->x - rest) * exp(-R(k) * size);
+}
+
+#elif defined MODEL_RELAY
+
+/* It keeps what it has between its bounds, and looks at the end of each step. */
+static void observe(State *s)
+{
+    if (!s->ready)
+        s->cells[V_open].Boolean[0] = R(level) < R(high);
+}
+
+static void integrate(State *s, double size)
+{
+    (void)size;
+    if (R(level) > R(high))
+        s->cells[V_open].Boolean[0] = 0;
+    else if (R(level) < R(low))
+        s->cells[V_open].Boolean[0] = 1;
+}
 
 #elif defined MODEL_TYPES
 
@@ -558,7 +593,11 @@ Status OF_STATE(Get)(void *instance, void **taken)
 
 Status OF_STATE(Set)(void *instance, void *taken)
 {
+#ifndef FORGETFUL
     memcpy(&((Instance *)instance)->state, taken, sizeof(State));
+#else
+    (void)instance, (void)taken;
+#endif
     return FMI(OK);
 }
 

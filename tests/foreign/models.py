@@ -186,6 +186,25 @@ DECAY = (
     _output("found", "", "First number in the file"),
 )  # fmt: skip
 
+_OPEN = Variable(
+    "open", "Boolean", "input", "Whether the valve is open", start=False, variability="discrete"
+)
+
+TANK = (
+    _OPEN,
+    _parameter("inflow", "1/s", "Inflow of an open valve", 1.0),
+    _parameter("k", "1/s", "Outflow per level", 1.0),
+    _parameter("start_level", "1", "Level at the start", 0.0),
+    _output("level", "1", "Level: level' = open inflow - k level"),
+)
+
+RELAY = (
+    _input("level", "1", "What is held between the bounds"),
+    _parameter("low", "1", "The valve opens below it", 0.4),
+    _parameter("high", "1", "The valve closes above it", 0.6),
+    replace(_OPEN, causality="output", start=None),
+)
+
 FAULTY = (
     *GAIN,
     _output("x", "s", "Integral of u over time"),
@@ -254,5 +273,7 @@ MODELS: dict[str, tuple[str, tuple[Variable, ...]]] = {
     "GAIN": ("y = gain u + offset, at once", GAIN),
     "TYPES": ("Echoes of every type of variable", ()),
     "DECAY": ("x' = -k x, with a start value, a file and a local variable", DECAY),
+    "TANK": ("level' = open inflow - k level, with a Boolean input", TANK),
+    "RELAY": ("A two-point controller with a Boolean output", RELAY),
     "FAULTY": ("A gain that fails on demand", FAULTY),
 }

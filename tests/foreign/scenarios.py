@@ -28,9 +28,10 @@ def toml(value: Value | Path | Mapping[str, Value]) -> str:
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
-def part(name: str, fmu: Path | str, **keys: Value | Mapping[str, Value]) -> str:
-    """A component of a scenario."""
-    lines = [f"{key} = {toml(value)}" for key, value in {"fmu": fmu, **keys}.items()]
+def part(name: str, fmu: Path | str, **keys: Value | Mapping[str, Value] | None) -> str:
+    """A component of a scenario; keys with None are left out."""
+    given = {key: value for key, value in {"fmu": fmu, **keys}.items() if value is not None}
+    lines = [f"{key} = {toml(value)}" for key, value in given.items()]
     return "\n".join([f"[components.{name}]", *lines])
 
 
@@ -86,7 +87,7 @@ def faulty(
     *beside: str,
     stop: float = 0.1,
     held: Mapping[str, Value] | None = None,
-    **keys: Value,
+    **keys: Value | None,
 ) -> Path:
     """A component `faulty` that fails in the step to 0.05 s, beside other components.
 
@@ -112,13 +113,12 @@ def masses(
     """Two unit masses on springs of 3 N/m to the ground, and one of 2 N/m between them."""
     mass = shelf("MASS", versions[0], rollback=rollback)
     pair = shelf("PAIR", versions[1], rollback=rollback)
-    keys = {} if isolate is None else {"isolate": isolate}
     return scenario(
         folder,
         f'[master]\nkind = "{master}"',
-        part("a", mass, start={"start_displacement": 1.0}, **keys),
-        part("b", mass, **keys),
-        part("pair", pair, start={"stiffness": 2.0, "ground_stiffness": 3.0}, **keys),
+        part("a", mass, start={"start_displacement": 1.0}, isolate=isolate),
+        part("b", mass, isolate=isolate),
+        part("pair", pair, start={"stiffness": 2.0, "ground_stiffness": 3.0}, isolate=isolate),
         wires(
             *(
                 wire
@@ -155,6 +155,67 @@ def populations(
         part("predators", fmu, start=predators, **keys),
         wires("prey.size -> predators.other", "predators.size -> prey.other"),
         stop=15.0,
+        step=step,
+        more=more,
+    )
+
+
+def quarter_car(
+    folder: Path,
+    shelf: Shelf,
+    *texts: str,
+    version: int = 2,
+    step: float = 0.002,
+    more: str = "",
+    **keys: Value,
+) -> Path:
+    """A body of 300 kg let go 5 cm high above a wheel of 40 kg on its tyre; bare numbers both ways.
+
+    20 kN/m and 1.5 kN.s/m between them, 180 kN/m below the wheel.
+    """
+    mass = shelf("MASS", version)
+    suspension = {"stiffness": 2e4, "damping": 1.5e3, "ground_stiffness": 0.0}
+    joined = (("body", "first"), ("wheel", "second"))
+    return scenario(
+        folder,
+        *texts,
+        part("body", mass, start={"mass": 300.0, "start_displacement": 0.05}, **keys),
+        part("wheel", mass, start={"mass": 40.0, "stiffness": 1.8e5}, **keys),
+        part("suspension", shelf("PAIR", version), start=suspension, **keys),
+        wires(
+            *(
+                wire
+                for name, port in joined
+                for wire in (
+                    f"{name}.displacement -> suspension.{port}.displacement",
+                    f"{name}.velocity -> suspension.{port}.velocity",
+                    f"suspension.{port}.value -> {name}.force",
+                )
+            )
+        ),
+        stop=1.0,
+        step=step,
+        more=more,
+    )
+
+
+def level_control(
+    folder: Path,
+    shelf: Shelf,
+    *texts: str,
+    version: int = 2,
+    step: float = 0.01,
+    more: str = "",
+    **keys: Value,
+) -> Path:
+    """A tank whose valve a relay opens below 0.4 and closes above 0.6: a Boolean in the loop."""
+    return scenario(
+        folder,
+        *texts,
+        part("tank", shelf("TANK", version), **keys),
+        part("relay", shelf("RELAY", version), **keys),
+        wires("tank.level -> relay.level", "relay.open -> tank.open"),
+        stop=4.0,
         step=step,
         more=more,
     )

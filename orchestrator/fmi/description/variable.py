@@ -70,7 +70,12 @@ class Variable:
     @property
     def numeric(self) -> bool:
         """Whether it passes between instances: a number, a choice, or true and false."""
-        return self.real or self.kind in WHOLE or self.kind in {"Boolean", "Enumeration"}
+        return self.real or self.kind in WHOLE or self.switches
+
+    @property
+    def switches(self) -> bool:
+        """Whether it is a Boolean or a choice: it jumps, and no number lies between."""
+        return self.kind in {"Boolean", "Enumeration"}
 
     @property
     def tunable(self) -> bool:

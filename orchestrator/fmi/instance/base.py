@@ -16,13 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import printable
 from ..description import Interface, Variable
+from .message_log import FAULTY, MessageLog
 
 STATUS = ("OK", "warning", "discard", "error", "fatal", "pending")
-WARNING = 1
-FAULTY = (3, 4)
-MOST_MESSAGES = 200
 Values = NDArray[np.float64]
 
 
@@ -39,17 +36,13 @@ class Instance(ABC):
 
     Inputs and outputs travel through the buffers given to :meth:`connect`, in the order of
     the variables given there. The caller keeps the time: an instance only passes it on.
-    `warned` counts the steps that came back with a warning, `warning` is the first text of one.
+    `warned` counts the steps that came back with a warning.
     """
 
     def __init__(self, name: str, interface: Interface) -> None:
         self.name = name
         self.interface = interface
-        self.message_count = 0
-        self._first: list[tuple[int, str]] = []
-        self._last: tuple[int, str] | None = None
-        self._last_error = ""
-        self.warning = ""
+        self._log = MessageLog(name)
         self.warned = 0
         self.steps = 0
         self.rollbacks = 0
@@ -138,37 +131,28 @@ class Instance(ABC):
         getter of an exported Python part has no other way to report that it has no value.
         """
         self.faults += status in FAULTY
-        if not message:
-            return
-        self.message_count += 1
-        if len(self._first) < MOST_MESSAGES - 1:
-            self._first.append((status, self._shown(message)))
-        else:
-            self._last = (status, message)
-        if status in FAULTY:
-            self._last_error = self._shown(message)
-        elif status == WARNING and not self.warning:
-            self.warning = self._shown(message)
+        self._log.add(status, message)
+
+    @property
+    def warning(self) -> str:
+        """The first text of a warning; "" where there was none."""
+        return self._log.warning
+
+    @property
+    def message_count(self) -> int:
+        """Number of messages with a text."""
+        return self._log.count
 
     @property
     def logged(self) -> list[tuple[int, str]]:
         """Status and text of the messages that were kept, safe to print."""
-        last = [(self._last[0], self._shown(self._last[1]))] if self._last else []
-        return self._first + last
+        return self._log.entries
 
     @property
     def messages(self) -> list[str]:
         """The messages that were kept, safe to print."""
-        return [text for _, text in self.logged]
-
-    def _shown(self, message: str) -> str:
-        return printable(message, most=500).removeprefix(f"{self.name}: ")
+        return self._log.texts
 
     def last_message(self) -> str:
         """`: ` and the last error, then the last message; "" without messages."""
-        if not self.message_count:
-            return ""
-        last = self.messages[-1]
-        if self._last_error in ("", last):
-            return f": {last}"
-        return f": {self._last_error}; last message: {last}"
+        return self._log.ending()

@@ -20,6 +20,7 @@ from ...errors import InstanceFailure
 from ..description import Variable
 from .buffers import DTYPES
 from .in_process import InProcessInstance, listen, route
+from .place import step_text
 
 POINTER = ctypes.c_void_p
 DOUBLE = ctypes.c_double
@@ -120,7 +121,7 @@ class Fmi3Instance(InProcessInstance):
 
     def _refuse(self, time: float, size: float) -> None:
         """`InstanceFailure` where the step requests the end or event mode, or returned early."""
-        where = f"{self.name}: step from t = {time:.9g} s by {size:.4g} s"
+        where = f"{self.name}: {step_text(time, size)}"
         if self._terminate.value:
             raise InstanceFailure(
                 f"{where}: the FMU requests the end of the simulation{self.last_message()}"

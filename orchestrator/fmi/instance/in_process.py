@@ -15,16 +15,26 @@ import numpy as np
 
 from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable
-from .base import STATUS, WARNING, Instance, Values
+from .base import STATUS, Instance, Values
 from .buffers import Block, blocks, is_too_wide, reader, too_wide, writer
 from .library import loaded, shared_library
+from .message_log import WARNING
+from .place import (
+    BEYOND,
+    FORGET,
+    RECEIVE,
+    RECEIVE_FIRST,
+    REFUSED,
+    RESTORE,
+    SAVE,
+    SEND,
+    Place,
+    step_text,
+)
 
 FATAL = 4
 PRESENT = 1e-6
 """Share of a step by which times of one communication point differ at most, by rounding."""
-SEND, STEP, RECEIVE_FIRST, RECEIVE, SAVE, RESTORE, FORGET, REFUSED, BEYOND = range(9)
-"""Which call of an instance has failed, as `loop.h` of the compiled loop numbers them."""
-
 STATE_VERBS = {SAVE: "Get", RESTORE: "Set", FORGET: "Free"}
 
 Calls = tuple[list[tuple[Block, int]], Values]
@@ -34,6 +44,7 @@ Calls = tuple[list[tuple[Block, int]], Values]
 class Binding:
     """An instance for a caller in C: addresses of functions, and the blocks to call them with.
 
+    `place` is where its calls are noted, 0 where nobody watches.
     `flags` are the addresses of the results of an FMI 3 step, `states` those of get, set and free
     of FMU states; `faults` counts error messages. It stands at the time `now` [s].
     """
@@ -43,6 +54,7 @@ class Binding:
     faults: ctypes.c_int32
     saved: int
     now: float
+    place: int
     flags: tuple[int, ...]
     states: tuple[int, int, int]
     set: Calls
@@ -63,6 +75,7 @@ class InProcessInstance(Instance):
 
     PREFIX: ClassVar[str]
     dtypes: ClassVar[Mapping[str, Any]]
+    place: Place | None = None
 
     def __init__(self, name: str, interface: Interface, folder: Path) -> None:
         super().__init__(name, interface)
@@ -178,7 +191,7 @@ class InProcessInstance(Instance):
         self._now = time + size
         self.warned += status == WARNING
         if status:
-            self._fail(f"step from t = {time:.9g} s by {size:.4g} s", status)
+            self._fail(step_text(time, size), status)
 
     @abstractmethod
     def _advance(self, time: float, size: float) -> int:
@@ -213,6 +226,7 @@ class InProcessInstance(Instance):
             faults=self._faults,
             saved=len(self._saved),
             now=self._now,
+            place=ctypes.addressof(self.place) if self.place is not None else 0,
             flags=self._flags,
             states=self._state_addresses(),
             set=([(b, self._transfer("Set", b.kind)) for b in self._sent], self._given),
@@ -235,7 +249,7 @@ class InProcessInstance(Instance):
             self._fail("reading outputs", status)
         if phase in STATE_VERBS:
             self._fail(self._state_function(STATE_VERBS[phase]).__name__, status)
-        self._fail(f"step from t = {time:.9g} s by {size:.4g} s", status)
+        self._fail(step_text(time, size), status)
         raise InstanceFailure(self._reason)
 
     def _state_addresses(self) -> tuple[int, int, int]:

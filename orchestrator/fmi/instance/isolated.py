@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import os
-import signal
 import subprocess
-import sys
 import threading
 from contextlib import suppress
 from pathlib import Path
@@ -15,16 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import FmuError, InstanceFailure, printable
+from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable
 from .base import Instance, Limits, Values
-from .keeper import KEEPER
+from .place import step_text
+from .process import CLOSING_TIME, Tail, ended, how_it_ended, kill, started
 from .protocol import STEP, Garbled, Gone, command, read_answer, write_all
-
-KEPT_OUTPUT = 4000
-"""Bytes that are kept of what a process prints."""
-CLOSING_TIME = 2.0
-"""Seconds that an instance gets to terminate and free itself at the end."""
 
 
 class IsolatedInstance(Instance):
@@ -53,13 +46,13 @@ class IsolatedInstance(Instance):
         self._lost = False
         self._reason = f"{name}: its process has been given up"
         try:
-            self._process = _started(working or folder)
+            self._process = started("orchestrator.fmi.instance.isolated_child", working or folder)
         except OSError as error:
             reason = f"its process cannot be started ({error.strerror})"
             raise InstanceFailure(f"{name}: {reason}") from None
         assert self._process.stdin and self._process.stdout and self._process.stderr
         self._to, self._from = self._process.stdin.fileno(), self._process.stdout.fileno()
-        self._output_tail = _Tail(self._process.stderr)
+        self._output_tail = Tail(self._process.stderr)
         self._watch = _Watch(self._process, math.inf)
         try:
             path, memory = str(interface.path.resolve()), limits.memory
@@ -102,16 +95,11 @@ class IsolatedInstance(Instance):
 
     def _end_of_process(self) -> str:
         """How the process ended, which has closed its pipe; the watch kills one that runs on."""
-        code = _ended(self._process)
+        code = ended(self._process)
         if self._watch.fired:
             end = f"no answer within {self._watch.patience:g} s; its process was stopped"
-        elif code < 0:
-            names = {entry.value: entry.name for entry in signal.Signals}
-            end = f"its process was ended by {names.get(-code, f'signal {-code}')}"
         else:
-            end = f"its process ended with exit code {code}"
-        if not self._watch.fired and _largest_child() > 0.9 * self._limits.memory:
-            end += f", probably out of memory: its limit is {_in_bytes(self._limits.memory)}"
+            end = how_it_ended(code, self._limits.memory)
         line = self._output_tail.last_line()
         return f"{end}; its last output: {line}" if line else end
 
@@ -158,7 +146,7 @@ class IsolatedInstance(Instance):
         payload = STEP.pack(time, size, self._fresh)
         if self._fresh:
             payload += self._inputs.tobytes()
-        what = f"step from t = {time:.9g} s by {size:.4g} s"
+        what = step_text(time, size)
         self._take(self._exchange(b"d", payload, what)[1])
 
     def receive(self, group: int = -1) -> None:
@@ -204,101 +192,13 @@ class IsolatedInstance(Instance):
             self.log(0, str(error))
         finally:
             self._lost = True
-            _kill(process)
-            _ended(process)
+            kill(process)
+            ended(process)
             self._watch.stop()
             self._output_tail.stop()
             for stream in (process.stdin, process.stdout):
                 with suppress(OSError):
                     stream.close()  # type: ignore[union-attr]
-
-
-def _started(folder: Path) -> subprocess.Popen[bytes]:
-    """A process for one instance, which imports this package from where this process has it."""
-    here = str(Path(__file__).resolve().parents[3])
-    path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH", "")]))
-    process = subprocess.Popen(
-        [sys.executable, "-P", "-m", "orchestrator.fmi.instance.isolated_child"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": path},
-        start_new_session=True,
-    )
-    if KEEPER is not None:
-        try:
-            KEEPER.add(process.pid)
-        except OSError:
-            _kill(process)
-            process.wait()
-            raise
-    return process
-
-
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    """Kill a process and what it has started, unless it has been reaped: its group is its own."""
-    if process.returncode is None:
-        with suppress(ProcessLookupError):
-            if hasattr(os, "killpg"):
-                os.killpg(process.pid, signal.SIGKILL)
-            else:
-                process.kill()
-
-
-def _ended(process: subprocess.Popen[bytes]) -> int:
-    """Exit code of a process, waited for; what it has started and left behind is killed.
-
-    Until it is reaped the number of its group cannot be that of another.
-    """
-    if process.returncode is None and hasattr(os, "waitid"):
-        with suppress(ChildProcessError):
-            os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
-        _kill(process)
-    code = process.wait()
-    if KEEPER is not None:
-        KEEPER.remove(process.pid)
-    return code
-
-
-def _largest_child() -> float:
-    """Most memory [byte] that any ended child of this process had; 0 where it is unknown."""
-    try:
-        import resource
-    except ImportError:
-        return 0.0
-    most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-    return most * (1.0 if sys.platform == "darwin" else 1024.0)
-
-
-def _in_bytes(count: int) -> str:
-    """A number of bytes in MB, as it is written in scenarios."""
-    return f"{count / 1e6:.4g} MB"
-
-
-class _Tail:
-    """Reads what a process prints, however much, and keeps the end."""
-
-    def __init__(self, stream: Any) -> None:
-        self._kept = b""
-        self._stream = stream
-        self._thread = threading.Thread(target=self._read, daemon=True)
-        self._thread.start()
-
-    def _read(self) -> None:
-        with self._stream as stream:
-            while chunk := os.read(stream.fileno(), 1 << 16):
-                self._kept = (self._kept + chunk)[-KEPT_OUTPUT:]
-
-    def last_line(self) -> str:
-        """The last line that has arrived, safe to print."""
-        self._thread.join(0.5)
-        lines = self._kept.decode("utf-8", "replace").split("\n")
-        last = [line.strip() for line in lines if line.strip()][-1:]
-        return printable(last[0], most=300) if last else ""
-
-    def stop(self) -> None:
-        self._thread.join(CLOSING_TIME)
 
 
 class _Watch:
@@ -331,7 +231,7 @@ class _Watch:
             seen = turns
             if waited > self.patience:
                 self.fired = True
-                _kill(self._process)
+                kill(self._process)
                 return
 
     def stop(self) -> None:

@@ -19,6 +19,7 @@ import numpy as np
 from ...errors import FmuError, InstanceFailure, printable
 from ..description import Interface, Variable, read_interface
 from . import in_process
+from .child_process import limit_memory, take_pipes
 from .in_process import InProcessInstance
 from .protocol import COMMAND, STEP, Gone, answer, read_exactly, write_all
 
@@ -65,7 +66,7 @@ class Host:
         """Carry out one command; text and values of the answer."""
         if letter == "o":
             given = json.loads(payload)
-            _limit_memory(given["memory"])
+            limit_memory(given["memory"])
             self.interface = read_interface(Path(given["path"]))
             importlib.import_module(f"fmpy.fmi{self.interface.version}")
             return None, b""
@@ -129,26 +130,9 @@ class Host:
         instance.connect(inputs, self.inputs, [outputs], self.outputs)
 
 
-def _limit_memory(most: int) -> None:
-    """Limit what the FMU may allocate beyond what is in use; no core files."""
-    try:
-        import resource
-    except ImportError:
-        return
-    pages = int(Path("/proc/self/statm").read_text().split()[0]) if sys.platform == "linux" else 0
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    limit = min(pages * resource.getpagesize() + most, sys.maxsize)
-    if hard == resource.RLIM_INFINITY or limit < hard:
-        resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
 def main() -> None:
     """Take the pipe off the standard streams and serve."""
-    commands, answers = os.dup(0), os.dup(1)
-    null = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(null, 0)
-    os.dup2(2, 1)
+    commands, answers = take_pipes()
     try:
         Host().serve(commands, answers)
     except Gone:

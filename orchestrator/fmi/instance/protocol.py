@@ -82,3 +82,29 @@ def read_answer(descriptor: int) -> tuple[bytes, Any, Log, bytes]:
     except (ValueError, TypeError, AttributeError, RecursionError):
         raise Garbled from None
     return letter, text, log, read_exactly(descriptor, values)
+
+
+class Frames:
+    """Answers as they come in pieces: letter, what is told, and values of each whole one."""
+
+    def __init__(self) -> None:
+        self._waiting = bytearray()
+
+    def feed(self, data: bytes) -> list[tuple[bytes, Any, bytes]]:
+        """Those that are whole with these bytes; `Garbled` where one is none."""
+        self._waiting += data
+        whole = []
+        while len(self._waiting) >= ANSWER.size:
+            letter, words, values = ANSWER.unpack_from(self._waiting)
+            if max(words, values) > MOST_BYTES:
+                raise Garbled
+            middle, end = ANSWER.size + words, ANSWER.size + words + values
+            if len(self._waiting) < end:
+                break
+            try:
+                told = json.loads(self._waiting[ANSWER.size : middle]) if words else None
+            except (ValueError, RecursionError):
+                raise Garbled from None
+            whole.append((letter, told, bytes(self._waiting[middle:end])))
+            del self._waiting[:end]
+        return whole

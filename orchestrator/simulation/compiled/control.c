@@ -126,6 +126,49 @@ static int judge(Control *control, double miss, double size) {
     return 1;
 }
 
+static int switched(const System *system, const Control *control) {
+    for (int64_t k = 0; k < control->switch_count; k++) {
+        int64_t place = control->switches[k];
+        if (system->values[place] != control->kept_values[place]) return 1;
+    }
+    return 0;
+}
+
+/* Whether a step with a switch has moved a value by more than the tolerance. */
+static int late(const System *system, const Control *control, double size) {
+    if (size <= control->least * (1.0 + 1e-6) || !switched(system, control)) return 0;
+    for (int64_t k = 0; k < control->column_count; k++) {
+        int64_t place = control->columns[k];
+        double moved = fabs(system->values[place] - control->kept_values[place]);
+        if (moved / (control->scale[k] + 1e-300) > control->tolerance) return 1;
+    }
+    return 0;
+}
+
+/* What switch_location.py makes of a step that is good enough by its error. */
+static int locate(const System *system, Master *master, Control *control, double size, double end) {
+    double left, half;
+    if (late(system, control, size)) {
+        control->before = 1.0;
+        control->next = 0.5 * size > control->least ? 0.5 * size : control->least;
+        control->latest = end;
+        return 0;
+    }
+    if (switched(system, control)) {
+        control->latest = INFINITY;
+        interrupt_master(master);
+        return 1;
+    }
+    left = control->latest - end;
+    if (left <= control->least) {
+        control->latest = INFINITY;
+        return 1;
+    }
+    half = 0.5 * left > control->least ? 0.5 * left : control->least;
+    if (half < control->next) control->next = half;
+    return 1;
+}
+
 /* End of a step of about `size`, so that no short rest is left before `latest`. */
 static double end_of(double time, double size, double latest) {
     double left = latest - time;
@@ -183,6 +226,7 @@ int resilin_run_controlled(System *system, Master *master, Guard *guard, Recorde
         }
         good = judge(control, miss, end - time);
         if (good < 0) return NOT_FINITE;
+        if (good && control->doubling) good = locate(system, master, control, end - time, end);
         run->time = time;
         if (!good) {
             if ((code = go_back(system, master, control, run))) return code;

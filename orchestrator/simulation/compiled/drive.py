@@ -49,7 +49,7 @@ def drive(
 ) -> int:
     """Step a system over its grid or over given points; number of steps taken.
 
-    The same steps, rows and errors as :func:`orchestrator.simulation.run.advance` and `along`.
+    The same steps, rows and errors as :func:`orchestrator.simulation.stepping.advance` and `along`.
     """
     stepper = Stepper(system, master)
     start = system.plan.grid.start if points is None else points[0]
@@ -70,7 +70,7 @@ def drive_controlled(
     The same as :func:`orchestrator.simulation.step_control.adaptive`.
     """
     stepper = Stepper(system, master)
-    able = all(known.rollback for known in system.plan.interfaces.values())
+    able = system.plan.rolls_back
     drive = _Drive(system, master, stepper, watching, interrupt, None)
     drive.control = drive.layout.control(system, master, Control(system, tolerance), able)
     for observer in watching:

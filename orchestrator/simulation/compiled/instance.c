@@ -86,15 +86,28 @@ static int transfer(const Instance *instance, const Block *block) {
 
 static int larger(int a, int b) { return a > b ? a : b; }
 
+/* Note a call of the FMU before it is made, and its end. */
+static void begin(const Instance *instance, int call) {
+    if (!instance->place) return;
+    instance->place->call = call;
+    instance->place->turns++;
+}
+
+static void end(const Instance *instance) {
+    if (instance->place) instance->place->turns++;
+}
+
 /* Set all inputs; the worst status of the calls, warnings not counted. */
 static int send(Instance *instance) {
     int worst = 0;
     if (instance->version == 0) return instance->serve(SEND, 0.0, 0.0);
+    begin(instance, SEND);
     for (int64_t k = 0; k < instance->set.count; k++) {
         const Block *block = &instance->set.blocks[k];
         if (block->places) stage(block, instance->set.buffer);
         worst = larger(worst, transfer(instance, block));
     }
+    end(instance);
     return worst == 1 ? 0 : worst;
 }
 
@@ -124,14 +137,22 @@ int step_instance(Instance *instance, double time, double size) {
     instance->steps++;
     instance->now = time + size;
     if (instance->version == 0) return instance->serve(STEP, time, size);
+    if (instance->place) {
+        instance->place->time = time;
+        instance->place->size = size;
+        instance->place->steps++;
+    }
+    begin(instance, STEP);
     if (instance->version == 3) {
         status = ((Fmi3Step)instance->do_step)(instance->component, time, size, final,
                                                instance->flags[0], instance->flags[1],
                                                instance->flags[2], instance->reached);
+        end(instance);
         if (status <= 1 && (*instance->flags[0] || *instance->flags[1] || *instance->flags[2]))
             return REFUSED_STATUS;
     } else {
         status = ((Fmi2Step)instance->do_step)(instance->component, time, size, final);
+        end(instance);
     }
     instance->warned += status == 1;
     return status == 1 ? 0 : status;
@@ -143,13 +164,18 @@ int receive(Instance *instance, int group) {
     int worst = 0;
     if (instance->version == 0)
         return instance->serve(group ? RECEIVE : RECEIVE_FIRST, 0.0, 0.0);
+    begin(instance, group ? RECEIVE : RECEIVE_FIRST);
     for (int64_t k = 0; k < get->count; k++) {
         const Block *block = &get->blocks[k];
         worst = larger(worst, transfer(instance, block));
         if (!block->places) continue;
-        if (block->wide && !exact(block)) return BEYOND_STATUS;
+        if (block->wide && !exact(block)) {
+            end(instance);
+            return BEYOND_STATUS;
+        }
         take(block, get->buffer);
     }
+    end(instance);
     if (*instance->faults && worst == 0) return 3;
     return worst == 1 ? 0 : worst;
 }
@@ -158,7 +184,9 @@ int save_state(Instance *instance, void **state) {
     int status;
     if (instance->version == 0) return instance->serve(SAVE, 0.0, 0.0);
     *state = NULL;
+    begin(instance, SAVE);
     status = ((StateCall)instance->get_state)(instance->component, (void *)state);
+    end(instance);
     instance->saved++;
     if (instance->now < instance->kept) instance->kept = instance->now;
     return status == 1 ? 0 : status;
@@ -170,7 +198,10 @@ int restore_state(Instance *instance, void *state) {
     if (instance->version == 0) return instance->serve(RESTORE, 0.0, 0.0);
     *instance->faults = 0;
     instance->now = instance->kept;
+    if (instance->place) instance->place->rollbacks++;
+    begin(instance, RESTORE);
     status = ((StateCall)instance->set_state)(instance->component, state);
+    end(instance);
     return status == 1 ? 0 : status;
 }
 
@@ -178,7 +209,9 @@ int forget_state(Instance *instance, void **state) {
     int status;
     if (instance->version == 0) return instance->serve(FORGET, 0.0, 0.0);
     if (--instance->saved == 0) instance->kept = INFINITY;
+    begin(instance, FORGET);
     status = ((StateCall)instance->free_state)(instance->component, (void *)state);
+    end(instance);
     return status == 1 ? 0 : status;
 }
 

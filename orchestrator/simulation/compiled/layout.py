@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ...fmi.instance import InProcessInstance
+from ...fmi.instance import InProcessInstance, place
 from ...fmi.instance.buffers import Block as TypedBlock
 from ..coupled_instance import CoupledInstance
 from ..energy_audit import (
@@ -34,6 +34,7 @@ from ..observers import Guard, Recorder
 from ..port_laws import force, torque
 from ..step_control import Control, coupling_columns
 from ..stepper import Stepper
+from ..switch_location import switch_columns
 from ..system import System
 from . import structures as c
 
@@ -173,6 +174,7 @@ class Layout:
         made.faults = ctypes.addressof(binding.faults)
         made.saved = binding.saved
         made.now, made.kept = binding.now, -inf if binding.saved else inf
+        made.place = binding.place or None
         made.get_state, made.set_state, made.free_state = binding.states
         if binding.flags:
             made.flags = (c.POINTER * 3)(*binding.flags[:3])
@@ -213,18 +215,18 @@ class Layout:
 
         def serve(what: int, time: float, size: float) -> int:
             try:
-                if what == c.SEND:
+                if what == place.SEND:
                     instance.send()
-                elif what == c.STEP:
+                elif what == place.STEP:
                     instance.step(time, size)
-                elif what == c.SAVE:
+                elif what == place.SAVE:
                     states.append(instance.save())
-                elif what == c.RESTORE:
+                elif what == place.RESTORE:
                     instance.restore(states[-1])
-                elif what == c.FORGET:
+                elif what == place.FORGET:
                     instance.forget(states.pop())
                 else:
-                    instance.receive(0 if what == c.RECEIVE_FIRST else -1)
+                    instance.receive(0 if what == place.RECEIVE_FIRST else -1)
             except BaseException as error:
                 errors.append(error)
                 return 3
@@ -290,7 +292,7 @@ class Layout:
 
     def control(self, system: System, master: Master, settings: Control, able: bool) -> c.Control:
         """Step control by doubling where all instances roll back, else by foresight."""
-        columns = coupling_columns(system)
+        columns, switches = coupling_columns(system), switch_columns(system)
         buffers = [np.zeros(len(coupled.buffer)) for coupled in system.instances]
         addresses = np.array([b.ctypes.data for b in buffers], dtype=np.uintp)
         self._kept.append(buffers)
@@ -302,11 +304,13 @@ class Layout:
             error=self._address(np.zeros(len(columns))),
             scale=self._address(np.abs(system.values[columns])),
             kept_values=self._address(np.zeros(len(system.values))),
+            switches=self._longs(switches),
             kept_inputs=self._address(addresses),
             input_counts=self._longs([len(b) for b in buffers]),
             kept_states=self._address(np.zeros(len(buffers), dtype=np.uintp)),
             taken=self.taken.ctypes.data,
             column_count=len(columns),
+            switch_count=len(switches),
             taken_count=1,
             taken_capacity=len(self.taken),
             tolerance=settings.tolerance,
@@ -317,6 +321,7 @@ class Layout:
             before=1.0,
             first=0.1 * system.plan.grid.step,
             next=system.plan.grid.step if able else 0.1 * system.plan.grid.step,
+            latest=inf,
             doubling=able,
         )
         made.seen.most = 3

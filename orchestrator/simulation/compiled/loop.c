@@ -1,4 +1,4 @@
-/* Fixed steps from point to point, cut at discontinuities; follows run.py and stepper.py. */
+/* Fixed steps from point to point, cut at discontinuities; follows stepping.py and stepper.py. */
 #include <math.h>
 #include <time.h>
 

@@ -59,6 +59,13 @@ typedef struct {
     int64_t count;
 } Move;
 
+/* Where an instance is, for a process that watches: fmi/instance/place.py. */
+typedef struct {
+    volatile int64_t turns, steps, rollbacks; /* `turns` is odd amid a call */
+    volatile double time, size;
+    volatile int32_t call;
+} Place;
+
 /* An instance in its place, as in coupled_instance.py. */
 typedef struct {
     void *component;
@@ -72,6 +79,7 @@ typedef struct {
     int32_t *faults;                   /* error messages logged since the start */
     uint8_t *flags[3];                 /* FMI 3: event, terminate, early return */
     double *reached;
+    Place *place;                      /* null where nobody watches */
     Transfer set, get[2];              /* get[0]: what later instances need; get[1]: everything */
     int64_t move_count, wired, plain_count;
     int64_t first, past;               /* stretch of the system's values */
@@ -140,14 +148,16 @@ typedef struct {
     const int64_t *columns;            /* coupling values whose error counts */
     double *whole, *error, *scale;     /* of those, in their order */
     double *kept_values;               /* the last accepted point: values, inputs, states, past */
+    const int64_t *switches;           /* wired values that switch, as in switch_location.py */
     double **kept_inputs;
     const int64_t *input_counts;
     void **kept_states;
     Past kept_past, seen;
     double *taken;                     /* communication points so far */
-    int64_t column_count, taken_count, taken_capacity, rejected;
+    int64_t column_count, switch_count, taken_count, taken_capacity, rejected;
     double tolerance, span, order, most, least, before, first;
     double next, event;                /* size of the next step; event announced before the last */
+    double latest;                     /* end of a step with a switch, infinity where none is sought */
     int32_t doubling, arrived;
 } Control;
 

@@ -11,7 +11,6 @@ DOUBLE = ctypes.c_double
 POINTER = ctypes.c_void_p
 
 DONE, PAUSE, FULL, ACTION, CALL_FAILED, OUT_OF_BOUNDS, GROWTH, CREATED, NOT_FINITE = range(9)
-SEND, STEP, RECEIVE_FIRST, RECEIVE, SAVE, RESTORE, FORGET, REFUSED, BEYOND = range(9)
 GAUSS_SEIDEL, JACOBI, EXTRAPOLATED = range(3)
 NO_LAW, FORCE, TORQUE = range(3)
 POINTS = 4
@@ -71,6 +70,7 @@ class Instance(ctypes.Structure):
         ("faults", POINTER),
         ("flags", POINTER * 3),
         ("reached", POINTER),
+        ("place", POINTER),
         ("set", Transfer),
         ("get", Transfer * 2),
         ("move_count", LONG),
@@ -210,6 +210,7 @@ class Control(ctypes.Structure):
         ("error", POINTER),
         ("scale", POINTER),
         ("kept_values", POINTER),
+        ("switches", POINTER),
         ("kept_inputs", POINTER),
         ("input_counts", POINTER),
         ("kept_states", POINTER),
@@ -217,6 +218,7 @@ class Control(ctypes.Structure):
         ("seen", Past),
         ("taken", POINTER),
         ("column_count", LONG),
+        ("switch_count", LONG),
         ("taken_count", LONG),
         ("taken_capacity", LONG),
         ("rejected", LONG),
@@ -229,6 +231,7 @@ class Control(ctypes.Structure):
         ("first", DOUBLE),
         ("next", DOUBLE),
         ("event", DOUBLE),
+        ("latest", DOUBLE),
         ("doubling", INT),
         ("arrived", INT),
     ]

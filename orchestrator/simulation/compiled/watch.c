@@ -43,8 +43,10 @@ void record(Recorder *recorder, const System *system, int64_t step, double time)
     if (step % recorder->every || time < recorder->from) return;
     row = recorder->rows + recorder->count * recorder->column_count;
     for (int64_t k = 0; k < recorder->column_count; k++)
-        row[k] = system->values[recorder->columns[k]];
-    recorder->times[recorder->count++] = time;
+        ((volatile double *)row)[k] = system->values[recorder->columns[k]];
+    /* Last, and kept there by the compiler: with its time a row is whole for who reads it. */
+    *(volatile double *)&recorder->times[recorder->count] = time;
+    recorder->count++;
 }
 
 /* Members of the laws, in the order in which layout.py gives their places. */

@@ -25,7 +25,9 @@ class InterfaceNewton(Master):
     nudging one input of one instance at a time; it is kept from step to step, improved by
     Broyden's updates, and made anew where the residual falls too slowly or the step changes.
     The run stays bounded where passes alone blow up (stiffness times step squared over mass far
-    above one). Values that carry laws are taken as they come out. Needs rollback in every instance.
+    above one). Values that carry laws are taken as they come out. An instance that decides, that
+    puts out nothing but switches, does so by the start of the step. Needs rollback in every
+    instance.
     """
 
     needs_rollback: ClassVar = True
@@ -103,7 +105,7 @@ class InterfaceNewton(Master):
     def _step(self, index: int, begin: Values, guess: Values, time: float, size: float) -> None:
         """Step one instance with inputs made from a guess of the end of the step."""
         coupled = self.system.instances[index]
-        arriving = guess[coupled.sources]
+        arriving = (begin if coupled.decides else guess)[coupled.sources]
         end = arriving.copy()
         places = coupled.sources[coupled.plain]
         arriving[coupled.plain] = 0.5 * (begin[places] + arriving[coupled.plain])

@@ -21,8 +21,9 @@ class Iterative(Master):
     ends of a loop, plain real numbers are the mean of both ends of the step (the trapezoid
     rule, second order). Passes converge where the coupling's gain over a step is below one, with
     `acceleration` beyond that; `Divergence` names the value that has not converged within `passes`.
-    Values have converged when they change by less than `settled` of the largest seen in the run.
-    Needs rollback in every instance.
+    An instance that decides, that puts out nothing but switches, does so by the start of the step:
+    by its end there may be no fixed point. Values have converged when they change by less than
+    `settled` of the largest seen in the run. Needs rollback in every instance.
     """
 
     needs_rollback: ClassVar = True
@@ -68,6 +69,11 @@ class Iterative(Master):
         """One sequential step with the best known values of its end."""
         system = self.system
         for coupled in system.instances:
+            if coupled.decides:
+                coupled.gather_from(begin[coupled.sources])
+                coupled.instance.step(time, size)
+                coupled.instance.receive(0)
+                continue
             if not len(coupled.plain):
                 coupled.advance(time, size)
                 continue

@@ -43,17 +43,23 @@ def parse_method(text: str) -> Method:
 
 def methods_for(plan: Plan) -> list[Method]:
     """Every master that the instances allow; with laws where the scenario has any, and without."""
-    able = all(known.rollback for known in plan.interfaces.values())
-    lawful = any(c.input.order for c in plan.connections)
+    able = plan.rolls_back
+    lawful = _lawful(plan)
     kinds = [name for name, master in MASTERS.items() if able or not master.needs_rollback]
     used = [("curvature" if lawful else "held"), *(["held"] if lawful else [])]
     return [Method(kind, laws) for laws in used for kind in kinds]
 
 
 def own(plan: Plan, *, controlled: bool = False, scenario: str = "") -> Method:
-    """The method that the scenario itself asks for."""
+    """The method that the scenario itself asks for; without laws it is one of held numbers."""
     settings = plan.scenario.master
-    return Method(settings.kind, settings.laws, controlled, scenario)
+    laws = settings.laws if _lawful(plan) else "held"
+    return Method(settings.kind, laws, controlled, scenario)
+
+
+def _lawful(plan: Plan) -> bool:
+    """Whether any port passes a law."""
+    return any(c.input.order for c in plan.connections)
 
 
 def with_step(plan: Plan, method: Method, step: float, tolerance: float | None = None) -> Plan:

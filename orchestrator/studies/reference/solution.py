@@ -110,7 +110,7 @@ def reference_solution(
             points = [plan.grid.point(k) for k in range(plan.grid.count + 1)]
             exact = as_recorded(_whole(replay(single, points, interrupt)), plan)
             return ReferenceSolution(exact, "the monolith, DOP853 at 1e-10", {}, single, plan)
-    able = all(known.rollback for known in plan.interfaces.values())
+    able = plan.rolls_back
     try:
         return _itself(plan, "iterative" if able else "gauss-seidel", finest, interrupt)
     except SimulationError:

@@ -37,9 +37,11 @@ def test_steps_of_one_size_are_not_cut(
     rigid = beside_a_square_wave(tmp_path, shelf("MASS", version, variable_step=False))
     outcome = ran(rigid, library=library)
     assert outcome.steps == outcome.calls["m"] == 20
+    assert "no step ends at the discontinuities that are announced" in outcome.unseen["m"]
     assert last(outcome)["m.velocity"] == pytest.approx(2.0 * 0.17, rel=1e-12)
     supple = beside_a_square_wave(tmp_path, shelf("MASS", version))
     outcome = ran(supple, library=library)
+    assert outcome.unseen == {}
     jumps = 2 * 0.2 * 18
     assert 20 + 1 + int(jumps) <= outcome.steps <= 20 + 2 + int(jumps)
     assert last(outcome)["m.velocity"] == pytest.approx(2.0 * 0.175, rel=1e-12)

@@ -12,7 +12,7 @@ from orchestrator.errors import SimulationError
 from orchestrator.fmi.archive import extract
 from orchestrator.fmi.description import read_interface
 from orchestrator.fmi.instance import Instance, open_instance
-from orchestrator.fmi.instance.base import MOST_MESSAGES
+from orchestrator.fmi.instance.message_log import MOST_MESSAGES
 from tests.foreign.scenarios import Shelf, each_version
 
 pytestmark = pytest.mark.usefixtures("mark")

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from orchestrator import cli
 from orchestrator.errors import InitialisationError, SimulationError
-from orchestrator.fmi.instance.base import MOST_MESSAGES
+from orchestrator.fmi.instance.message_log import MOST_MESSAGES
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from orchestrator.simulation.system import System
@@ -37,14 +37,19 @@ OF_FMI_3 = (
 )
 
 
+GUARDED, OWN = None, True
+
+
 @pytest.mark.parametrize(
-    ("version", "fault", "reason"),
-    [(v, *entry) for v in VERSIONS for entry in BOTH] + [(3, *entry) for entry in OF_FMI_3],
+    ("version", "isolate", "fault", "reason"),
+    [(v, GUARDED, *entry) for v in VERSIONS for entry in BOTH]
+    + [(3, GUARDED, *entry) for entry in OF_FMI_3]
+    + [(2, OWN, *entry) for entry in BOTH],
 )
 def test_fault_ends_the_run_with_its_reason(
-    version: int, fault: int, reason: str, shelf: Shelf, tmp_path: Path
+    version: int, isolate: bool | None, fault: int, reason: str, shelf: Shelf, tmp_path: Path
 ) -> None:
-    outcome = run(load(faulty(tmp_path, shelf("FAULTY", version), fault)))
+    outcome = run(load(faulty(tmp_path, shelf("FAULTY", version), fault, isolate=isolate)))
     message = str(outcome.failure)
     assert isinstance(outcome.failure, SimulationError)
     assert message.startswith(
@@ -97,7 +102,13 @@ def test_flood_of_messages_is_capped(version: int, shelf: Shelf, tmp_path: Path)
 def test_fault_at_the_very_end_costs_no_result(
     version: int, fault: int, shelf: Shelf, tmp_path: Path
 ) -> None:
-    assert len(ran(faulty(tmp_path, shelf("FAULTY", version), fault)).times) == 11
+    outcome = ran(faulty(tmp_path, shelf("FAULTY", version), fault))
+    assert len(outcome.times) == 11
+    how = "ended by SIG" if fault == 13 else "no answer within 2 s"
+    report = outcome.reports["faulty"]
+    assert report.warned == 1
+    assert report.warning.startswith("closing: ")
+    assert how in report.warning
 
 
 @each_version
@@ -109,10 +120,10 @@ def test_instance_that_hangs_when_it_is_made_is_given_up(
         run(load(path))
 
 
-@pytest.mark.parametrize("isolate", [True, False], ids=["isolated", "in process"])
+@pytest.mark.parametrize("isolate", [None, True, False], ids=["guarded", "isolated", "in process"])
 @each_version
 def test_refused_instantiation_has_its_reason(
-    version: int, isolate: bool, shelf: Shelf, tmp_path: Path
+    version: int, isolate: bool | None, shelf: Shelf, tmp_path: Path
 ) -> None:
     with (
         zipfile.ZipFile(shelf("FAULTY", version)) as old,

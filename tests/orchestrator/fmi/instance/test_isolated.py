@@ -52,26 +52,32 @@ def test_two_masses_follow_the_closed_form_isolated_or_not(
     tmp_path: Path,
 ) -> None:
     """x1 = (cos wt + cos Wt)/2 with w^2 = 3, W^2 = 7, and x2 with a minus between."""
-    apart, together = (
+    apart, guarded, together = (
         ran(masses(tmp_path, shelf, versions, master=master, isolate=isolate, rollback=rollback))
-        for isolate in (None, False)
+        for isolate in (True, None, False)
     )
     slow, fast = (np.cos(np.sqrt(square) * apart.times) for square in (3.0, 7.0))
     assert np.abs(apart.series("a.displacement") - 0.5 * (slow + fast)).max() < error
     assert np.abs(apart.series("b.displacement") - 0.5 * (slow - fast)).max() < error
-    assert apart.rows.tobytes() == together.rows.tobytes()
-    assert (apart.calls, apart.rollbacks) == (together.calls, together.rollbacks)
+    for other in (guarded, together):
+        assert apart.rows.tobytes() == other.rows.tobytes()
+        assert apart.times.tobytes() == other.times.tobytes()
+        assert (apart.calls, apart.rollbacks) == (other.calls, other.rollbacks)
+    assert guarded.python_loop == together.python_loop
+    assert list(guarded.points) == list(together.points)
+    assert guarded.couplings == together.couplings
 
 
 def test_steps_by_tolerance_are_the_same_isolated_or_not(shelf: Shelf, tmp_path: Path) -> None:
     more = "tolerance = 1e-3"
-    apart, together = (
+    apart, guarded, together = (
         ran(masses(tmp_path, shelf, master="extrapolated", more=more, isolate=isolate, stop=1.0))
-        for isolate in (True, False)
+        for isolate in (True, None, False)
     )
-    assert apart.rejected == together.rejected
-    assert apart.points == together.points
-    assert apart.rows.tobytes() == together.rows.tobytes()
+    for other in (guarded, together):
+        assert apart.rejected == other.rejected
+        assert apart.points == other.points
+        assert apart.rows.tobytes() == other.rows.tobytes()
     slow, fast = (np.cos(np.sqrt(square) * apart.times) for square in (3.0, 7.0))
     assert np.abs(apart.series("a.displacement") - 0.5 * (slow + fast)).max() < 1e-2
 
@@ -125,16 +131,24 @@ def test_patience_counts_for_calls_not_for_the_start(
     assert instance.messages == []
 
 
+@pytest.mark.parametrize(
+    ("isolate", "culprit"), [(True, "m: its process"), (None, "the process of its FMUs")]
+)
 def test_process_that_cannot_be_started_is_reported(
-    shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    isolate: bool | None,
+    culprit: str,
+    shelf: Shelf,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def full(*arguments: object, **options: object) -> None:
         raise OSError(errno.EMFILE, "Too many open files")
 
-    path = scenario(tmp_path, part("m", shelf("MASS", 2)), hold({"m.force": 0.0}))
+    unit = part("m", shelf("MASS", 2), isolate=isolate)
+    plan = load(scenario(tmp_path, unit, hold({"m.force": 0.0})))
     monkeypatch.setattr(subprocess, "Popen", full)
-    with pytest.raises(InitialisationError, match=r"m: its process cannot be started \(Too many"):
-        run(load(path))
+    with pytest.raises(InitialisationError, match=rf"{culprit} cannot be started \(Too many"):
+        run(plan)
 
 
 def test_modules_in_the_folder_of_an_fmu_are_not_imported(shelf: Shelf, tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import psutil
 
-from orchestrator.fmi.instance.isolated import _ended
 from orchestrator.fmi.instance.keeper import Keeper
+from orchestrator.fmi.instance.process import ended
 from tests.processes import fresh, marked, python, started, until
 
 STUBBORN = "trap '' TERM INT HUP; sleep 600 & sleep 600 & echo ready; "
@@ -41,7 +41,7 @@ def test_what_an_ended_process_has_started_is_ended() -> None:
     """The code is that of the process, not of the signal that came after it."""
     for end, code in (("exit 3", 3), ("kill -SEGV $$", -signal.SIGSEGV)):
         process = stubborn(end)
-        assert _ended(process) == code
+        assert ended(process) == code
         until(lambda group=process.pid: not alive(group))  # type: ignore[misc]
         process.stdout.close()  # type: ignore[union-attr]
 

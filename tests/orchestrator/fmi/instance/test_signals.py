@@ -41,14 +41,15 @@ def begun(
 def test_isolated_process_ends_with_its_killed_master(
     fault: int, shelf: Shelf, tmp_path: Path, mark: str
 ) -> None:
-    """Only the folder for temporary files stays: no process is left to remove it."""
+    """The folder for temporary files goes too: the keeper removes it."""
     (tmp_path / "kept").mkdir()
-    path = faulty(tmp_path, shelf("FAULTY", 2), fault, stop=1e5, patience="600 s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), fault, stop=5e6, patience="600 s")
     with begun(path, temporary=str(tmp_path / "kept")) as master:
         assert len(hosts(mark)) == 1
         master.kill()
         master.wait()
         until(lambda: marked(mark) == [])
+    assert list((tmp_path / "kept").iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -66,7 +67,7 @@ def test_signal_to_the_whole_group_keeps_the_rows(
     ignored: tuple[str, ...], number: signal.Signals, shelf: Shelf, tmp_path: Path, mark: str
 ) -> None:
     """Whatever the parent ignores: an ignored signal that comes before does nothing."""
-    path = faulty(tmp_path, shelf("FAULTY", 3), 0, stop=1e5)
+    path = faulty(tmp_path, shelf("FAULTY", 3), 0, stop=5e6)
     with begun(path, ignored) as master:
         for name in ignored:
             os.killpg(master.pid, signal.Signals[name])
@@ -86,7 +87,7 @@ def test_master_that_is_stopped_and_continued_keeps_its_instance(
 ) -> None:
     """The time of the stop does not count as patience, and the instance goes on working."""
     patience = 2.0
-    path = faulty(tmp_path, shelf("FAULTY", 2), 0, stop=1e5, patience=f"{patience} s")
+    path = faulty(tmp_path, shelf("FAULTY", 2), 0, stop=5e6, patience=f"{patience} s")
 
     def worked() -> float:
         return sum(host.cpu_times().user for host in hosts(mark))

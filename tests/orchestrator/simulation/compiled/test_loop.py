@@ -16,7 +16,7 @@ from orchestrator.scenario.plan import Plan
 from orchestrator.simulation.compiled import drive, library
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import replay, run
-from tests.foreign.scenarios import Shelf, masses
+from tests.foreign.scenarios import Shelf, level_control, masses
 
 Both = Callable[..., tuple[Outcome, Outcome]]
 MASTERS = ("gauss-seidel", "jacobi", "extrapolated")
@@ -31,7 +31,7 @@ def both(monkeypatch: pytest.MonkeyPatch) -> Both:
     def runner(plan: Plan, how: Callable[[Plan], Outcome] = run) -> tuple[Outcome, Outcome]:
         compiled = how(plan)
         with monkeypatch.context() as patch:
-            patch.setattr("orchestrator.simulation.run.unsuited", lambda *_: "a test")
+            patch.setattr("orchestrator.simulation.stepping.unsuited", lambda *_: "a test")
             python = how(plan)
         assert compiled.python_loop == ""
         assert python.python_loop == "a test"
@@ -224,6 +224,16 @@ def test_steps_by_tolerance_of_foreign_instances(
         assert_same(compiled, python)
         assert compiled.rejected == python.rejected
         assert compiled.rollbacks == python.rollbacks
+
+
+@pytest.mark.parametrize("isolate", [False, True])
+def test_switches_under_step_control(
+    shelf: Shelf, tmp_path: Path, both: Both, isolate: bool
+) -> None:
+    path = level_control(tmp_path, shelf, isolate=isolate)
+    compiled, python = both(load(path, time={"tolerance": 1e-4}))
+    assert_same(compiled, python)
+    assert compiled.rejected == python.rejected
 
 
 def test_actions_under_step_control(library: Path, tmp_path: Path, both: Both) -> None:

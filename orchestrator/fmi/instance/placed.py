@@ -1,0 +1,122 @@
+"""Instances that note in shared memory which call of their FMU they are in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..description import Interface
+from .fmi2 import Fmi2Instance
+from .fmi3 import Fmi3Instance
+from .in_process import InProcessInstance
+from .message_log import FAULTY, MOST_MESSAGES
+from .place import (
+    CLOSE,
+    ENTER,
+    EXIT,
+    FORGET,
+    INSTANTIATE,
+    PREPARE,
+    RECEIVE,
+    RESTORE,
+    SAVE,
+    SEND,
+    SET,
+    STEP,
+    Place,
+)
+
+PassOn = Callable[[int, str], None]
+
+
+class _Placed(InProcessInstance):
+    """An instance of this process whose calls are noted in `place`, and its messages passed on."""
+
+    place: Place
+
+    def __init__(
+        self, name: str, interface: Interface, folder: Path, place: Place, pass_on: PassOn
+    ) -> None:
+        self.place = place
+        self._pass_on = pass_on
+        with place.at(INSTANTIATE):
+            super().__init__(name, interface, folder)
+
+    def log(self, status: int, message: str) -> None:
+        super().log(status, message)
+        if message and (self.message_count < MOST_MESSAGES or status in FAULTY):
+            self._pass_on(status, message)
+
+    def prepare(
+        self,
+        start: dict[str, float | str],
+        time: float,
+        stop: float | None,
+        tolerance: float | None,
+    ) -> None:
+        with self.place.at(PREPARE):
+            super().prepare(start, time, stop, tolerance)  # type: ignore[safe-super]
+
+    def set(self, start: dict[str, float | str]) -> None:
+        with self.place.at(SET):
+            super().set(start)
+
+    def enter_initialisation(self) -> None:
+        with self.place.at(ENTER):
+            super().enter_initialisation()  # type: ignore[safe-super]
+
+    def exit_initialisation(self) -> None:
+        with self.place.at(EXIT):
+            super().exit_initialisation()  # type: ignore[safe-super]
+
+    def send(self) -> None:
+        with self.place.at(SEND):
+            super().send()
+
+    def step(self, time: float, size: float) -> None:
+        place = self.place
+        place.time, place.size = time, size
+        place.steps += 1
+        with place.at(STEP):
+            super().step(time, size)
+
+    def receive(self, group: int = -1) -> None:
+        with self.place.at(RECEIVE):
+            super().receive(group)
+
+    def save(self) -> Any:
+        with self.place.at(SAVE):
+            return super().save()
+
+    def restore(self, state: Any) -> None:
+        self.place.rollbacks += 1
+        with self.place.at(RESTORE):
+            super().restore(state)
+
+    def forget(self, state: Any) -> None:
+        with self.place.at(FORGET):
+            super().forget(state)
+
+    def close(self) -> None:
+        with self.place.at(CLOSE):
+            super().close()
+
+
+class PlacedFmi2Instance(_Placed, Fmi2Instance):
+    """One of FMI 2."""
+
+
+class PlacedFmi3Instance(_Placed, Fmi3Instance):
+    """One of FMI 3."""
+
+
+def placed_instance(
+    name: str, interface: Interface, folder: Path, place: Place, pass_on: PassOn
+) -> InProcessInstance:
+    """Instance in this process, by its version of FMI, whose calls are noted in `place`.
+
+    `pass_on` gets the status and text of its first messages and of all errors as they come.
+    """
+    made = PlacedFmi3Instance if interface.version == 3 else PlacedFmi2Instance
+    return made(name, interface, folder, place, pass_on)

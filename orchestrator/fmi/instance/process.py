@@ -1,0 +1,131 @@
+"""Processes in which FMUs run: started, watched over by the keeper, and ended for certain."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from ...errors import printable
+from .keeper import KEEPER
+
+KEPT_OUTPUT = 4000
+"""Bytes that are kept of what a process prints."""
+CLOSING_TIME = 2.0
+"""Seconds that an instance gets to terminate and free itself at the end."""
+
+
+def started(
+    module: str,
+    folder: Path,
+    *,
+    pass_fds: Sequence[int] = (),
+    scratch: Path | None = None,
+) -> subprocess.Popen[bytes]:
+    """A process for FMUs, which imports this package from where this process has it.
+
+    It leads a group of its own, which ends with this process, however this one ends; `scratch`,
+    where its temporary files go, is removed then. Raises `OSError`.
+    """
+    here = str(Path(__file__).resolve().parents[3])
+    path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH", "")]))
+    temporary = {"TMPDIR": str(scratch)} if scratch is not None else {}
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", module],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=folder,
+        env={**os.environ, **temporary, "PYTHONPATH": path},
+        pass_fds=pass_fds,
+        start_new_session=True,
+    )
+    if KEEPER is not None:
+        try:
+            KEEPER.add(process.pid, scratch)
+        except OSError:
+            kill(process)
+            process.wait()
+            raise
+    return process
+
+
+def kill(process: subprocess.Popen[bytes]) -> None:
+    """Kill a process and what it has started, unless it has been reaped: its group is its own."""
+    if process.returncode is None:
+        with suppress(ProcessLookupError):
+            if hasattr(os, "killpg"):
+                os.killpg(process.pid, signal.SIGKILL)
+            else:
+                process.kill()
+
+
+def ended(process: subprocess.Popen[bytes]) -> int:
+    """Exit code of a process, waited for; what it has started and left behind is killed.
+
+    Until it is reaped the number of its group cannot be that of another.
+    """
+    if process.returncode is None and hasattr(os, "waitid"):
+        with suppress(ChildProcessError):
+            os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+        kill(process)
+    code = process.wait()
+    if KEEPER is not None:
+        KEEPER.remove(process.pid)
+    return code
+
+
+def largest_child() -> float:
+    """Most memory [byte] that any ended child of this process had; 0 where it is unknown."""
+    try:
+        import resource
+    except ImportError:
+        return 0.0
+    most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    return most * (1.0 if sys.platform == "darwin" else 1024.0)
+
+
+def how_it_ended(code: int, memory: int) -> str:
+    """How a process ended by itself: with which signal or exit code, and whether memory ran out.
+
+    `memory` is what it was allowed [byte].
+    """
+    if code < 0:
+        names = {entry.value: entry.name for entry in signal.Signals}
+        end = f"its process was ended by {names.get(-code, f'signal {-code}')}"
+    else:
+        end = f"its process ended with exit code {code}"
+    if largest_child() > 0.9 * memory:
+        end += f", probably out of memory: its limit is {memory / 1e6:.4g} MB"
+    return end
+
+
+class Tail:
+    """Reads what a process prints, however much, and keeps the end."""
+
+    def __init__(self, stream: Any) -> None:
+        self._kept = b""
+        self._stream = stream
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+
+    def _read(self) -> None:
+        with self._stream as stream:
+            while chunk := os.read(stream.fileno(), 1 << 16):
+                self._kept = (self._kept + chunk)[-KEPT_OUTPUT:]
+
+    def last_line(self) -> str:
+        """The last line that has arrived, safe to print."""
+        self._thread.join(0.5)
+        lines = self._kept.decode("utf-8", "replace").split("\n")
+        last = [line.strip() for line in lines if line.strip()][-1:]
+        return printable(last[0], most=300) if last else ""
+
+    def stop(self) -> None:
+        self._thread.join(CLOSING_TIME)

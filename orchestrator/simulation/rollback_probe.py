@@ -1,0 +1,93 @@
+"""Whether FMUs that say that they can go back to a saved state do so: tried before the first step.
+
+One that claims it and does not makes every method that rolls back wrong without a word: its steps
+add up with each attempt.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import InitialisationError, InstanceFailure
+from ..fmi.instance import InProcessInstance
+from .coupled_instance import CoupledInstance, Values
+from .system import System
+
+MOST_STEPS = 20
+"""Steps that are tried until an output changes; one that rests for longer is not judged."""
+MISS = 0.01
+"""Share of that change by which an output may differ once the FMU has gone back."""
+
+
+def check_rollback(system: System, size: float) -> None:
+    """Let each foreign FMU step and go back, twice; `InitialisationError` for one that does not.
+
+    With outputs y at the start and y' after steps of `size` [s] with the inputs held, it has to be
+    at y after going back, and at y' after the same steps again, each within `MISS` of |y' - y|.
+    """
+    for coupled in system.instances:
+        interface = coupled.instance.interface
+        if not interface.ours and interface.rollback:
+            _check(system, coupled, size)
+
+
+def _check(system: System, coupled: CoupledInstance, size: float) -> None:
+    instance = coupled.instance
+    counted = instance.steps, instance.rollbacks, instance.warned
+    values = system.values[coupled.stretch]
+    start = system.plan.grid.start
+    state = instance.save()
+    try:
+        before = values.copy()
+        taken = 0
+        while taken < MOST_STEPS and np.array_equal(values, before, equal_nan=True):
+            _step(coupled, start + taken * size, size)
+            taken += 1
+        after = values.copy()
+        instance.restore(state)
+        instance.receive()
+        back = values.copy()
+        for k in range(taken):
+            _step(coupled, start + k * size, size)
+        again = values.copy()
+        instance.restore(state)
+        instance.receive()
+    except InstanceFailure:
+        instance.restore(state)  # a step that fails is the run's to report
+        instance.receive()
+        return
+    finally:
+        instance.forget(state)
+        instance.steps, instance.rollbacks, instance.warned = counted
+        if isinstance(instance, InProcessInstance) and instance.place is not None:
+            instance.place.steps, instance.place.rollbacks = counted[:2]
+    values[:] = before
+    allowed = MISS * np.abs(after - before)
+    for found, wanted, when in ((back, before, "after going back"), (again, after, "in a repeat")):
+        _compare(system, coupled, found, wanted, allowed, when)
+
+
+def _step(coupled: CoupledInstance, time: float, size: float) -> None:
+    coupled.instance.step(time, size)
+    coupled.instance.receive()
+
+
+def _compare(
+    system: System,
+    coupled: CoupledInstance,
+    found: Values,
+    wanted: Values,
+    allowed: Values,
+    when: str,
+) -> None:
+    missed = np.abs(found - wanted)
+    if not (missed > allowed).any():
+        return
+    place = int(np.argmax(missed - allowed))
+    name = coupled.instance.name
+    raise InitialisationError(
+        f"{system.plan.path}: components.{name}: its FMU says that it can go back to a saved state,"
+        f" but {when} {system.names[coupled.stretch.start + place]} is {found[place]:.6g} and was"
+        f" {wanted[place]:.6g}; write rollback = false there, which leaves the masters that do"
+        " without: gauss-seidel, jacobi, extrapolated"
+    )
