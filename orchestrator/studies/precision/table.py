@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...errors import printable
 from ...report.image import plain, save_figure, standard_settings
 from ..output_files import write_records
+from .method import Method
 from .study import TARGETS, MeasuredRun, Study
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 MARKERS = "osd^v<>p*"
+LINES = ("-", "--", ":", "-.", (0, (1, 3)), (0, (6, 2, 1, 2, 1, 2)))
 
 
 def per_cycle(study: Study, measured: MeasuredRun) -> str:
@@ -95,32 +98,53 @@ def write(study: Study, path: Path) -> Path:
     return write_records(facts(study), path)
 
 
+def _styles(methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
+    """A colour and a marker for each master, a line for each way to use it; none comes twice."""
+    kinds = list(dict.fromkeys(method.kind for method in methods))
+    ways = list(dict.fromkeys((m.laws, m.controlled, m.scenario) for m in methods))
+    for method in methods:
+        kind = kinds.index(method.kind)
+        way = ways.index((method.laws, method.controlled, method.scenario))
+        yield {
+            "color": f"C{kind % 10}",
+            "marker": MARKERS[kind % len(MARKERS)],
+            "linestyle": LINES[way % len(LINES)],
+            "fillstyle": "full" if way < len(LINES) else "none",
+            "lw": 1.2,
+            "ms": 4,
+        }
+
+
 @standard_settings()
 def draw(study: Study, path: Path) -> Path:
     """Draw error over wall time and over the step, a curve for each method, failures at the top."""
     from matplotlib import pyplot
 
-    figure, axes = pyplot.subplots(1, 2, sharey=True, figsize=(10.0, 5.0))
     methods = list(dict.fromkeys(measured.method for measured in study.runs))
-    for k, method in enumerate(methods):
+    height = 7.4 + 0.2 * len(methods)
+    figure, axes = pyplot.subplots(2, 1, figsize=(5.6, height), layout="constrained")
+    for method, style in zip(methods, _styles(methods), strict=True):
         runs = [r for r in study.runs if r.method == method]
         done = [r for r in runs if r.status == "done" and study.error(r) > 0.0]
-        style = {"marker": MARKERS[k % len(MARKERS)], "color": f"C{k % 10}", "lw": 1.0, "ms": 4}
         errors = [study.error(r) for r in done]
         axes[0].loglog([r.wall_time for r in done], errors, label=str(method), **style)
         axes[1].loglog([study.simulated / max(r.steps, 1) for r in done], errors, **style)
         failed = [r.step for r in runs if r.status != "done"]
         axes[1].plot(failed, [1.0] * len(failed), "x", color=style["color"])
-    axes[0].set(xlabel="wall time (s)", ylabel=f"largest error of {', '.join(study.variables)}")
+    axes[0].set(xlabel="wall time (s)")
     axes[1].set(xlabel="mean communication step (s); x: stopped")
     for axis in axes:
+        axis.set(ylabel="largest error of the leading variables")
         axis.grid(visible=True, which="both", alpha=0.2)
     floor = max((study.bound.get(name, 0.0) for name in study.variables), default=0.0)
     if floor > 0.0:
         axes[1].axhline(floor, color="k", ls=":", lw=0.8)
-    axes[0].legend(fontsize=7)
-    figure.suptitle(plain(study.title), fontsize=10)
-    figure.set_layout_engine("tight")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", fontsize=9)
+    title = textwrap.wrap(plain(study.title), 60) + textwrap.wrap(
+        plain(f"leading: {', '.join(study.variables)}"), 60
+    )
+    figure.suptitle("\n".join(title), fontsize=10)
     try:
         return save_figure(figure, path, 120)
     finally:

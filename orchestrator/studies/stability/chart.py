@@ -76,10 +76,11 @@ def draw(study: Study, path: Path) -> Path:
     cases = [case.name for case in study.cases]
     steps = sorted({n for case in study.cases for n in case.per_cycle})
     labels = list(dict.fromkeys(f"{t.master}\n{t.laws}" for t in study.trials))
+    width, columns = max(5.0, 2.0 + 1.5 * len(labels)), 1 if len(labels) < 5 else 2
+    height = 1.3 + 0.22 * len(cases) + 0.16 * len(kinds) / columns
     figure, axes = pyplot.subplots(
-        1, len(labels), sharey=True, squeeze=False,
-        figsize=(2.0 + 1.5 * len(labels), 1.5 + 0.22 * len(cases)),
-    )  # fmt: skip
+        1, len(labels), sharey=True, squeeze=False, figsize=(width, height), layout="constrained"
+    )
     for axis, label in zip(axes[0], labels, strict=True):
         field = np.full((len(cases), len(steps)), np.nan)
         for trial in (t for t in study.trials if f"{t.master}\n{t.laws}" == label):
@@ -93,8 +94,7 @@ def draw(study: Study, path: Path) -> Path:
         axis.set_yticks(range(len(cases)), [plain(case) for case in cases], fontsize=7)
         axis.set_xlabel("steps in a cycle", fontsize=6)
     handles = [Patch(color=COLOURS[kind], label=f"{kind}: {CLASSES[kind]}") for kind in kinds]
-    figure.legend(handles=handles, loc="lower center", ncols=2, fontsize=7)
-    figure.set_layout_engine("tight", rect=(0.0, 0.6 / (1.5 + 0.22 * len(cases)), 1.0, 1.0))
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=7)
     try:
         return save_figure(figure, path, 130)
     finally:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ...results.outcome import Outcome
+from ...simulation.accuracy import MEANINGLESS
 from ...simulation.run import estimated
 from ...simulation.summary import warnings
 
@@ -13,7 +14,10 @@ ACCURATE = 1e-2
 """Largest relative error of the leading variables of a run that counts as accurate."""
 
 HONEST = 1.0 / 3.0
-"""Share of the true error that an estimate has to reach to count as a warning of it."""
+"""Share of the true error that an estimate has to reach to count as a warning of it.
+
+One that says that the numbers mean nothing, as `MEANINGLESS` does, counts whatever the true error.
+"""
 
 CLASSES = {
     "accurate": f"error at most {ACCURATE:.0%}",
@@ -62,5 +66,5 @@ def judged(done: Outcome, error: float, names: Iterable[str]) -> tuple[str, str]
     if found.estimates is None:
         return ("inaccurate", "estimate") if found.doubt else ("silent", "")
     estimate = max((found.estimates[name].relative for name in names), default=0.0)
-    noticed = estimate >= HONEST * error or bool(found.unseen)
+    noticed = estimate >= min(HONEST * error, MEANINGLESS) or bool(found.unseen)
     return ("inaccurate", "estimate") if noticed else ("silent", "")
