@@ -105,7 +105,9 @@ def _component(plan: Plan, name: str) -> Component:
             chosen[key] = given.choices[given.codes.index(int(value))]
     if chosen:
         alias = "_".join([path.stem, *chosen.values()])
-        path = build(path.stem, alias=alias, changes=chosen, into=path.parent.parent / "peers").path
+        native = "PythonFMU" not in known.tool
+        into = path.parent.parent / ("peers-native" if native else "peers")
+        path = build(path.stem, alias=alias, changes=chosen, into=into, native=native).path
     return Component(name, str(path.resolve()), starts)
 
 

@@ -25,7 +25,13 @@ SCENARIO = "oscillator-1"
 STEPS, CYCLES = 60, 2.0
 OWN = {"cofmpy": Path(sys.prefix) / "cofmpy" / "bin" / "python"}
 """Tools with an environment of their own, which the Makefile makes."""
-SEQUENTIAL = {("pathsim-fmi", "fixed step"), ("cofmpy", "gauss-seidel")}
+SEQUENTIAL = {
+    ("pathsim-fmi", "fixed step"),
+    ("cofmpy", "gauss-seidel"),
+    ("mastersim", "gauss-seidel"),
+}
+COMPILED = {"mastersim"}
+"""Tools that are no Python process, and take FMUs that need none."""
 EXACT = {"fmpy.ssp", "cofmpy"}
 """Tools that start like the bare loop, with zeros; the others pass initial outputs on before the
 first step, and libcosim rounds its step to nanoseconds."""
@@ -59,7 +65,10 @@ def done(library: Path, tool: str, method: str, wiring: str) -> MeasuredRun:
 
 
 @pytest.mark.parametrize(("tool", "method", "wiring"), FOREIGN)
-def test_a_tool_steps_our_fmus(library: Path, tool: str, method: str, wiring: str) -> None:
+def test_a_tool_steps_our_fmus(
+    library: Path, native: Path, tool: str, method: str, wiring: str
+) -> None:
+    library = native if tool in COMPILED else library
     found = done(library, tool, method, wiring)
     if (tool, method) in SEQUENTIAL:
         like = done(library, "ours", "gauss-seidel", wiring).rows[-1]

@@ -7,6 +7,7 @@ from .cofmu import Cofmu
 from .ecos import Ecos
 from .fmpy_ssp import FmpySsp
 from .libcosim import Libcosim
+from .mastersim import MasterSim
 from .monolith import Monolith
 from .omsimulator import OMSimulator
 from .ours import Ours
@@ -15,6 +16,7 @@ from .pathsim import Pathsim
 TOOLS: dict[str, Tool] = {
     tool.name: tool
     for tool in (
-        Ours(), FmpySsp(), Ecos(), Libcosim(), Cofmu(), Pathsim(), OMSimulator(), Monolith()
+        Ours(), FmpySsp(), Ecos(), Libcosim(), Cofmu(), Pathsim(), OMSimulator(), MasterSim(),
+        Monolith(),
     )
 }  # fmt: skip
