@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -44,9 +43,10 @@ def export(
     from ..errors import InputError, OutputError
     from ..scenario.ssp.write import VERSIONS, Package, write_ssp
     from ..simulation.load import unloaded
+    from ..simulation.scratch import Scratch
 
     target = to or Path(f"{Path(scenario).stem}.ssp")
-    with common.reported(), tempfile.TemporaryDirectory(prefix="resilin_export_") as folder:
+    with common.reported(), Scratch(Path(scenario)) as folder:
         if target.suffix != ".ssp":
             raise OutputError(f"{target}: SSP archives are called *.ssp")
         if version not in VERSIONS:
@@ -55,7 +55,7 @@ def export(
         library = common.library(fmus, native)
         plan = unloaded(scenario, common.assignments(set_), library, **options)
         sets = _sets(scenario, also or [], library, options)
-        files, built_in = _made(plan, Path(folder))
+        files, built_in = _made(plan, folder)
         remarks = write_ssp(Package(plan, files, built_in, sets, version), target)
     if not quiet:
         for remark in remarks:

@@ -13,15 +13,16 @@ class Lock:
         self._path = path
         self._number: int | None = None
 
-    def take(self) -> bool:
+    def take(self, *, sure: bool = False) -> bool:
         """Whether the lock is held now; false where another process holds it.
 
-        Raises `OSError` where the path cannot be opened.
+        Where the system has no locks it counts as held, unless it has to be `sure`. Raises
+        `OSError` where the path cannot be opened.
         """
         try:
             import fcntl
         except ImportError:
-            return True
+            return not sure
         number = os.open(self._path, os.O_RDONLY)
         try:
             fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -29,7 +30,9 @@ class Lock:
             os.close(number)
             return False
         except OSError:  # a file system without locks
-            pass
+            if sure:
+                os.close(number)
+                return False
         self._number = number
         return True
 

@@ -54,7 +54,7 @@ class Segments:
     def write(self, times: Values, rows: Values) -> None:
         """Close one more segment; `OutputError` where the disk does not take it.
 
-        The segments before it stay as they are.
+        Whatever stops it, the segments before it stay as they are, and none is left half.
         """
         name = f"{len(self.digests):06d}.nc"
         path = self.folder / name
@@ -65,7 +65,7 @@ class Segments:
                 _write_piece(waiting, times, rows)
                 digest = _digest(waiting)
             self._note({**self.digests, name: digest})
-        except OutputError:
+        except BaseException:  # a signal too: its rows are still in memory
             path.unlink(missing_ok=True)
             if not self.digests:
                 self.remove()

@@ -367,6 +367,21 @@ static void flood(Instance *it)
 }
 
 /* The fault, in every step from the first that reaches fault_time on. May shorten the step. */
+/* Leave a process behind in a session of its own, once. */
+static void escape(void)
+{
+    static bool escaped = false;
+    if (escaped)
+        return;
+    escaped = true;
+    if (fork())
+        return;
+    setsid();
+    if (!fork())
+        sleep(600);
+    _exit(0);
+}
+
 static Status strike(Instance *it, double *size, Report *report)
 {
     State *s = &it->state;
@@ -395,6 +410,7 @@ static Status strike(Instance *it, double *size, Report *report)
     case 12: report->terminate = true; break;
     case 15: s->growth = s->growth == 0.0 ? 10.0 : fmin(10.0 * s->growth, 1e300); break;
     case 17: report->event = true; break;
+    case 18: escape(); break;
     default: break; /* 13, 14 and 16 strike in freeInstance, instantiate and terminate */
     }
     return FMI(OK);

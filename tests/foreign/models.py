@@ -26,6 +26,7 @@ FAULTS = {
     15: "output growing tenfold each step",
     16: "hang in terminate",
     17: "eventHandlingNeeded (FMI 3)",
+    18: "a process left behind in a session of its own",
 }
 CHOICES = ("slow", "fast")
 WHOLE = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+import uuid
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -17,6 +18,8 @@ from .keeper import KEEPER
 
 KEPT_OUTPUT = 4000
 """Bytes that are kept of what a process prints."""
+MARK = "RESILIN_PROCESS"
+_MARKS: dict[int, str] = {}
 CLOSING_TIME = 2.0
 """Seconds that an instance gets to terminate and free itself at the end."""
 
@@ -31,21 +34,24 @@ def started(
     """A process for FMUs, which imports this package from where this process has it.
 
     It leads a group of its own, which ends with this process, however this one ends; `scratch`,
-    where its temporary files go, is removed then. Raises `OSError`.
+    where its temporary files go, is removed then. What it starts carries a mark in its environment,
+    by which `ended` finds those that have left the group. Raises `OSError`.
     """
     here = str(Path(__file__).resolve().parents[3])
     path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH", "")]))
     temporary = {"TMPDIR": str(scratch)} if scratch is not None else {}
+    mark = uuid.uuid4().hex
     process = subprocess.Popen(
         [sys.executable, "-P", "-m", module],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         cwd=folder,
-        env={**os.environ, **temporary, "PYTHONPATH": path},
+        env={**os.environ, **temporary, "PYTHONPATH": path, MARK: mark},
         pass_fds=pass_fds,
         start_new_session=True,
     )
+    _MARKS[process.pid] = mark
     if KEEPER is not None:
         try:
             KEEPER.add(process.pid, scratch)
@@ -76,9 +82,19 @@ def ended(process: subprocess.Popen[bytes]) -> int:
             os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
         kill(process)
     code = process.wait()
+    _kill_marked(_MARKS.pop(process.pid, ""))
     if KEEPER is not None:
         KEEPER.remove(process.pid)
     return code
+
+
+def _kill_marked(mark: str) -> None:
+    """Kill every process with a mark in its environment, where the system shows that."""
+    sought = f"{MARK}={mark}".encode()
+    for place in Path("/proc").glob("[0-9]*/environ") if mark else ():
+        with suppress(OSError):
+            if sought in place.read_bytes().split(b"\0"):
+                os.kill(int(place.parent.name), signal.SIGKILL)
 
 
 def largest_child() -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from typing import Any, Literal
 from ...errors import ScenarioError
 from ...scenario.library import LIBRARY
 from ...simulation.interrupt import Interrupt
+from ...simulation.scratch import Scratch
 from ..precision.method import Method, methods_for
 from ..workers.pool import Failed, WorkerPool
 from .cases import Case, plan_of
@@ -62,8 +62,8 @@ def stability(
     begun = perf_counter()
     check = interrupt.check if interrupt is not None else _nothing
     tried = _planned(cases, file, library, methods)
-    with tempfile.TemporaryDirectory(prefix="resilin_") as folder:
-        basis = (file.resolve(), library.resolve(), Path(folder), patience)
+    with Scratch(file) as folder:
+        basis = (file.resolve(), library.resolve(), folder, patience)
         solve = [Job(case, *basis) for case in cases]
         attempt = [Job(case, *basis, method) for case in cases for method in tried[case.name]]
         total = len(solve) + len(attempt)

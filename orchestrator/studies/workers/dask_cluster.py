@@ -9,13 +9,14 @@ import os
 import pickle
 import signal
 import sys
-import tempfile
 import warnings
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, SimulationError, printable
+from ...simulation.scratch import Scratch
 
 Client = Any
 """A `distributed.Client`, which has no type annotations."""
@@ -64,6 +65,9 @@ IN_TERMINAL = {"SIGINT", "SIGHUP"}
 def local(count: int) -> Iterator[Client]:
     """A client of `count` worker processes of one thread each, on loopback, without dashboard.
 
+    They talk by TLS with a certificate of this cluster's own, made here and kept in memory: whoever
+    can reach a scheduler can have it run anything, and on loopback that is every user of the
+    machine.
     They leave nothing behind: their temporary files share one folder, and at the end they are
     killed, so that no FMU's library is unloaded, which may crash an interpreter.
     """
@@ -73,9 +77,9 @@ def local(count: int) -> Iterator[Client]:
     with contextlib.ExitStack() as stack:
         stack.enter_context(_quiet())
         stack.enter_context(_same_environment())
-        made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
-        scratch = stack.enter_context(made)
+        scratch = str(stack.enter_context(Scratch(Path("workers"))))
         stack.enter_context(dask.config.set({**SETTINGS, "temporary-directory": scratch}))
+        security = distributed.Security.temporary()
         os.environ.update(SAFE)
         try:
             with _signals_kept_from_children():
@@ -84,6 +88,8 @@ def local(count: int) -> Iterator[Client]:
                     threads_per_worker=1,
                     processes=True,
                     host=HOST,
+                    protocol="tls://",
+                    security=security,
                     scheduler_kwargs={"dashboard": False, "dashboard_address": f"{HOST}:0"},
                     silence_logs=logging.CRITICAL,
                     local_directory=scratch,
@@ -113,7 +119,7 @@ def remote(address: str) -> Iterator[Client]:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # other versions of packages
                 client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
-        except (OSError, TimeoutError, ValueError) as error:
+        except (OSError, TimeoutError, TypeError, ValueError) as error:
             raise InputError(
                 f"scheduler {printable(address)!r}: no answer ({_reason(error)}); start one with"
                 " `dask scheduler`, write it as tcp://host:8786, or leave it out to work on this"
@@ -156,13 +162,13 @@ def starting(client: Client, addresses: Iterable[str]) -> dict[str, int | None]:
 
     `None` where a nanny is between two processes; a nanny that does not answer is left out.
     """
-    found: dict[str, int | None] = client.sync(_starting, list(addresses))
+    found: dict[str, int | None] = client.sync(_starting, list(addresses), client.security)
     return found
 
 
-async def _starting(addresses: list[str]) -> dict[str, int | None]:
+async def _starting(addresses: list[str], security: Any) -> dict[str, int | None]:
     distributed = _distributed()
-    secured = distributed.Security().get_connection_args("client")
+    secured = security.get_connection_args("client")
     asked = pickle.dumps(_process)
     found = {}
     for address in addresses:

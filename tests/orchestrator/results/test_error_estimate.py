@@ -119,11 +119,15 @@ def test_numbers_that_say_nothing_leave_with_an_error(
     assert bare.exit_code == 0, bare.output
 
 
-def test_switches_are_not_estimated(oscillator: Outcome) -> None:
-    """A number that is no measure gets none: it switches at another time."""
+@pytest.mark.parametrize(
+    ("kind", "reason"),
+    [("Boolean", "each up to a step late"), ("Int32", "it switches at another time")],
+)
+def test_switches_are_not_estimated(oscillator: Outcome, kind: str, reason: str) -> None:
+    """A number that is no measure gets none, and the reason."""
     first = oscillator.plan.records[0][1]
     records = [
-        (c, replace(v, kind="Boolean") if v.name == first.name else v)
+        (c, replace(v, kind=kind) if v.name == first.name else v)
         for c, v in oscillator.plan.records
     ]
     plan = replace(oscillator.plan, records=records)
@@ -132,7 +136,7 @@ def test_switches_are_not_estimated(oscillator: Outcome) -> None:
     found = with_estimates(mine, other)
     name = oscillator.names[0]
     assert found.estimates is not None and name not in found.estimates
-    assert "it switches at another time" in found.unseen[name]
+    assert reason in found.unseen[name]
 
 
 def test_a_unit_with_a_step_of_its_own_is_named(

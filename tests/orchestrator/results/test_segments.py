@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from orchestrator.results.netcdf import (
     write,
 )
 from orchestrator.results.segments import found
+from orchestrator.simulation.interrupt import Interrupted
 from orchestrator.simulation.load import load
 from orchestrator.simulation.observers import Recorder
 from orchestrator.simulation.run import run
@@ -90,6 +92,7 @@ def test_a_killed_run_can_be_recovered(library: Path, tmp_path: Path) -> None:
     code = f"""
 from orchestrator.simulation.observers import Recorder
 from orchestrator.results.netcdf import segments_for
+from orchestrator.simulation.interrupt import Interrupted
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from pathlib import Path
@@ -195,3 +198,27 @@ def test_last_stretch_and_decimation(library: Path) -> None:
     assert np.array_equal(kept % 3, np.zeros(len(kept)))
     assert done.times[0] >= 2.0 / (plan.frequency or 1.0) - 1e-9
     assert np.array_equal(done.rows, all_rows.rows[kept])
+
+
+@pytest.mark.parametrize("closed", [0, 1])
+def test_a_signal_amid_a_segment_leaves_none_half(
+    closed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The rows are still in memory; without a whole segment there is no folder."""
+    made = segments.Segments(tmp_path / "out.segments", [], {})
+    times, rows = np.arange(3.0), np.zeros((3, 1))
+    for _ in range(closed):
+        made.write(times, rows)
+
+    def struck(path: Path, times: object, rows: object) -> None:
+        path.write_bytes(b"half")
+        raise Interrupted(signal.SIGINT)
+
+    monkeypatch.setattr(segments, "_write_piece", struck)
+    with pytest.raises(Interrupted):
+        made.write(times, rows)
+    left = sorted(path.name for path in tmp_path.rglob("*.nc*"))
+    assert left == ["000000.nc"] * closed
+    assert made.folder.exists() == bool(closed)
+    assert len(made.digests) == closed
+    made.remove()

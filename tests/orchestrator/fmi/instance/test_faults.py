@@ -17,6 +17,7 @@ from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from orchestrator.simulation.system import System
 from tests.foreign.scenarios import VERSIONS, Shelf, each_version, faulty, part, ran
+from tests.processes import marked
 
 pytestmark = pytest.mark.usefixtures("mark")
 
@@ -109,6 +110,14 @@ def test_fault_at_the_very_end_costs_no_result(
     assert report.warned == 1
     assert report.warning.startswith("closing: ")
     assert how in report.warning
+
+
+@pytest.mark.parametrize("isolate", [GUARDED, OWN], ids=["guarded", "isolated"])
+def test_a_process_that_leaves_its_session_is_ended_too(
+    isolate: bool | None, shelf: Shelf, tmp_path: Path, mark: str
+) -> None:
+    ran(faulty(tmp_path, shelf("FAULTY", 2), 18, isolate=isolate))
+    assert marked(mark) == []
 
 
 @each_version

@@ -12,6 +12,7 @@ from distributed import LocalCluster
 
 from orchestrator.errors import InputError, SimulationError
 from orchestrator.studies.sweep.study import parse_axis, sweep
+from orchestrator.studies.workers import dask_cluster
 from tests.orchestrator.studies.sweeps import SCENARIO, SHORT, Sweep, files
 from tests.processes import python, when
 
@@ -60,3 +61,13 @@ if __name__ == "__main__":
     )
     assert ": 1}" in done.stdout
     assert not (tmp_path / "imported").exists()
+
+
+@pytest.mark.parametrize("protocol", ["tls", "tcp"])
+def test_a_cluster_of_ours_serves_nobody_else(protocol: str) -> None:
+    """Whoever reaches a scheduler may have it run anything; ours asks for its own certificate."""
+    with dask_cluster.local(1) as client:
+        assert client.submit(abs, -1).result() == 1
+        address = client.scheduler.address.replace("tls", protocol)
+        with pytest.raises(InputError, match="no answer"), dask_cluster.remote(address):
+            pass
