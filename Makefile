@@ -21,7 +21,7 @@ lint: $(VENV)/ready
 	$(BIN)/lint-imports
 
 slow: $(VENV)/ready $(COFMPY)/ready
-	$(BIN)/pytest -n 2 -m slow
+	$(BIN)/pytest -n 2 -m slow -o timeout=7200
 
 bench: $(VENV)/ready
 	$(BIN)/python build_fmus.py

@@ -11,8 +11,7 @@ from ..results.outcome import Outcome
 from ..results.segments import Segments
 from ..scenario.plan import Plan
 from ..scenario.processes import is_guarded
-from .guarded.kept import kept_processes
-from .guarded.run import run_guarded
+from .guarded.kept import kept_between_runs
 from .interrupt import Interrupt, Interrupted
 from .observers import Observer, check_observers
 from .stepping import stepped
@@ -45,7 +44,7 @@ def run(
     ends the run as a failure in mid-run. Raises `InputError` where one has not their methods.
     """
     check_observers(observers)
-    with kept_processes():
+    with kept_between_runs():
         outcome = _stepped(
             plan,
             None,
@@ -101,6 +100,8 @@ def _stepped(
 ) -> Outcome:
     """One run where its instances belong: in a process of their own, or in this one."""
     if is_guarded(plan) and not observers:
+        from .guarded.run import run_guarded
+
         return run_guarded(plan, points, progress=progress, interrupt=interrupt, segments=segments)
     with System(plan) as system:
         return stepped(

@@ -6,7 +6,6 @@ port is one slice assignment, recording a row one gather, and checking all value
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from contextlib import ExitStack, chdir
 from dataclasses import dataclass
@@ -16,9 +15,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..errors import FmuError, InitialisationError, InstanceFailure, SimulationError
-from ..fmi.archive import extract
-from ..fmi.built import digest_of
+from ..errors import InitialisationError, InstanceFailure, SimulationError
 from ..fmi.description import EVENT, Interface, Variable
 from ..fmi.instance import Instance, open_instance
 from ..scenario.actions import Action
@@ -27,6 +24,7 @@ from ..scenario.plan import Plan
 from ..scenario.processes import needs_own
 from .coupled_instance import CoupledInstance, Indices, Values
 from .initialisation import InconsistentValues, make_consistent
+from .unpacked import unpacked
 
 Opened = Callable[[str, Interface, Path], Instance]
 
@@ -167,20 +165,13 @@ class System:
             return RecordingInstance(name, plan.recordings[name])
         interface = plan.interfaces[name]
         if interface.path not in folders:
-            folders[interface.path] = self._unpacked(interface.path, plan.digests[name])
+            kept = unpacked(interface.path, plan.digests[name], keep=interface.ours)
+            folders[interface.path] = self._stack.enter_context(kept)
         folder = folders[interface.path]
         if self._open is not None:
             return self._open(name, interface, folder)
         isolate = True if needs_own(plan, name) else plan.scenario.components[name].isolate
         return open_instance(name, interface, folder, isolate, plan.limits[name], home(plan))
-
-    def _unpacked(self, path: Path, digest: str) -> Path:
-        """Folder with the content of an FMU, which has to be the one that the plan was made of."""
-        folder = Path(self._stack.enter_context(temporary_folder(path)))
-        extract(path, folder)
-        if digest_of(path) != digest:
-            raise FmuError(f"{path}: has changed since the scenario was loaded; load it again")
-        return folder
 
     def _connect(self, instances: dict[str, Instance]) -> None:
         """Lay out both buffers and bind every instance to its stretch of them."""
@@ -318,21 +309,6 @@ class System:
             f"{self.plan.path}: {name} = {value:g} does not settle at the start (still changing"
             f" by {error.change:.2g}); give other start values"
         )
-
-
-def temporary_folder(path: Path) -> tempfile.TemporaryDirectory[str]:
-    """A folder for what a file, named in errors, is unpacked into; `FmuError` without one."""
-    try:
-        made = tempfile.TemporaryDirectory(prefix="resilin_", ignore_cleanup_errors=True)
-    except OSError as error:
-        raise FmuError(
-            f"{path}: no folder for temporary files in {tempfile.tempdir}"
-            f" ({error.strerror}); set TMPDIR to one that exists and is writable"
-        ) from None
-    if "%" in made.name:
-        made.cleanup()
-        raise FmuError(f"{path}: FMUs do not load from {made.name}; set TMPDIR to one without %")
-    return made
 
 
 def home(plan: Plan) -> Path:

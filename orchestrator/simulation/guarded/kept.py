@@ -1,4 +1,7 @@
-"""Processes of guarded runs that are used again: a study starts one, not one for each run."""
+"""What is kept from one run to the next: processes of guarded runs, and unpacked FMUs.
+
+A study starts one process, not one for each run, and unpacks each part once.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...scenario.plan import Plan
-from .process import GuardedProcess
+from ..unpacked import keep_folders, kept_folders
+
+if TYPE_CHECKING:
+    from .process import GuardedProcess
 
 MOST_JOBS = 100
 """Jobs of one process: each loads the libraries of its FMUs anew, and unloads none."""
@@ -29,11 +35,16 @@ _KEPT = _Kept()
 
 
 @contextmanager
-def kept_processes() -> Iterator[None]:
-    """Inside, the process of a guarded run waits for another run of the same FMUs."""
-    keep_processes()
+def kept_between_runs() -> Iterator[None]:
+    """Inside, the process of a guarded run waits for another run of the same FMUs.
+
+    FMUs of this project stay unpacked.
+    """
+    with _KEPT.lock:
+        _KEPT.wanted += 1
     try:
-        yield
+        with kept_folders():
+            yield
     finally:
         with _KEPT.lock:
             _KEPT.wanted -= 1
@@ -44,8 +55,9 @@ def kept_processes() -> Iterator[None]:
             process.close()
 
 
-def keep_processes() -> None:
+def keep_between_runs() -> None:
     """From here on to the end of this process, as a worker does; its processes end with it."""
+    keep_folders()
     with _KEPT.lock:
         _KEPT.wanted += 1
 
@@ -57,6 +69,8 @@ def process_for(plan: Plan, *, fresh: bool = False) -> Iterator[GuardedProcess]:
     It is kept afterwards where it is idle and wanted, and FMUs do not ask for a process that has
     had no other instance of them.
     """
+    from .process import GuardedProcess
+
     use = _use(plan)
     with _KEPT.lock:
         found = None if fresh else _KEPT.idle.pop(use, None)

@@ -13,7 +13,7 @@ from ...errors import InitialisationError
 from ...fmi.instance.process import Tail, ended, how_it_ended, kill, started
 from ...fmi.instance.protocol import Frames, Gone, command, write_all
 from ...scenario.plan import Plan
-from ..system import temporary_folder
+from ..scratch import Scratch
 from .job import Job
 from .shared import Files
 
@@ -37,7 +37,7 @@ class GuardedProcess:
         self._stack.callback(self.files.close)
         with ExitStack() as made:
             made.push(self._stack.__exit__)
-            scratch = Path(self._stack.enter_context(temporary_folder(plan.path)))
+            scratch = self._stack.enter_context(Scratch(plan.path))
             self._process = self._started(plan, scratch)
             made.pop_all()
         self._tail = Tail(self._process.stderr)

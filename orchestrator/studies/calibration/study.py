@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scenario.library import LIBRARY
+from ...simulation.guarded.kept import kept_between_runs
 from ...simulation.interrupt import Interrupt
 from .fits import Fit
 from .predictions import Model
@@ -78,6 +79,7 @@ class Calibration:
         return np.asarray(self.covariance / np.outer(size, size))
 
 
+@kept_between_runs()
 def calibrate(
     fit: Fit,
     library: Path = LIBRARY,

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, SimulationError
 from ...results.error_estimate import BEYOND, halved
-from ...simulation.guarded.kept import kept_processes
+from ...simulation.guarded.kept import kept_between_runs
 from ...simulation.interrupt import Interrupt, Interrupted
 from ...simulation.run import replay
 from .case import Case
@@ -122,7 +122,7 @@ class _Experiment:
         return np.column_stack([outcome.series(name) for name in names])
 
 
-@kept_processes()
+@kept_between_runs()
 def identify(
     case: Case,
     unknowns: Sequence[Unknown],

@@ -108,8 +108,10 @@ def identity(job: Job, library: Path) -> str:
 
 def carry_out(task: tuple[Job, str, str]) -> dict[str, Any]:
     """Run a job: the task of a worker. What goes wrong with the run is in the answer."""
+    from ...simulation.guarded.kept import keep_between_runs
     from ...simulation.run import run
 
+    keep_between_runs()
     job, library, _ = task
 
     def work() -> dict[str, Any]:

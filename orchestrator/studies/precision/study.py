@@ -12,7 +12,7 @@ import numpy as np
 from ...errors import ResilinError
 from ...scenario.library import LIBRARY
 from ...scenario.plan import Plan
-from ...simulation.guarded.kept import kept_processes
+from ...simulation.guarded.kept import kept_between_runs
 from ...simulation.interrupt import Interrupt, Interrupted
 from ...simulation.load import load
 from ...simulation.run import run
@@ -72,7 +72,7 @@ class Study:
         return min(good, key=lambda measured: measured.wall_time, default=None)
 
 
-@kept_processes()
+@kept_between_runs()
 def precision(
     scenario: str | Path,
     library: Path = LIBRARY,

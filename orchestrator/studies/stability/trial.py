@@ -13,7 +13,7 @@ import numpy as np
 from ...errors import ResilinError, printable
 from ...results.outcome import Outcome
 from ...scenario.plan import Plan
-from ...simulation.guarded.kept import keep_processes
+from ...simulation.guarded.kept import keep_between_runs
 from ...simulation.interrupt import Interrupt, Interrupted
 from ...simulation.run import run
 from ..precision.method import Method, own, with_step
@@ -61,7 +61,7 @@ class Late(Interrupted):
 
 def work(job: Job) -> dict[str, Any]:
     """Carry out a job in a worker; the reason of a failure is in the answer."""
-    keep_processes()
+    keep_between_runs()
     try:
         if job.method is None:
             return _reference(job)

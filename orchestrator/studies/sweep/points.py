@@ -163,10 +163,10 @@ def calculate(point: Point) -> dict[str, Any]:
     than those that the sweep was planned with.
     """
     from ...results.metrics import metrics
-    from ...simulation.guarded.kept import keep_processes
+    from ...simulation.guarded.kept import keep_between_runs
     from ...simulation.run import run
 
-    keep_processes()
+    keep_between_runs()
 
     def work() -> dict[str, Any]:
         plan = _plan(point.setting, dict(zip(point.names, point.values, strict=True)))

@@ -18,7 +18,7 @@ from orchestrator.results.outcome import whole
 from orchestrator.results.segments import Segments
 from orchestrator.scenario.processes import MASTERS, OWN, SHARED, process_of
 from orchestrator.simulation.guarded.job import Job, noted, raised
-from orchestrator.simulation.guarded.kept import kept_processes
+from orchestrator.simulation.guarded.kept import kept_between_runs
 from orchestrator.simulation.guarded.process import GuardedProcess
 from orchestrator.simulation.guarded.shared import Board, Files, SharedRows, discard, written
 from orchestrator.simulation.interrupt import Interrupt, Interrupted
@@ -237,7 +237,7 @@ def test_names_of_files_count_from_where_they_are_written(
 
 def test_one_process_serves_the_runs_of_a_study(shelf: Shelf, tmp_path: Path, mark: str) -> None:
     plan = load(masses(tmp_path, shelf, master="gauss-seidel"))
-    with kept_processes():
+    with kept_between_runs():
         first = run(plan, estimate=False)
         (process,) = hosts(mark)
         second = run(plan)
@@ -256,7 +256,7 @@ def test_fmus_that_want_a_process_of_their_own_get_a_new_one(
 ) -> None:
     once = part("a", shelf("GAIN", 2, once=True))
     plan = load(scenario(tmp_path, once, hold({"a.u": 1.0})))
-    with kept_processes():
+    with kept_between_runs():
         for _ in range(2):
             run(plan, estimate=False).checked()
             assert hosts(mark) == []
@@ -276,7 +276,7 @@ def test_a_process_that_dies_late_is_no_evidence(
             killed.append(self.used)
 
     plan = load(masses(tmp_path, shelf, master="gauss-seidel"))
-    with kept_processes():
+    with kept_between_runs():
         first = run(plan, estimate=False).checked()
         monkeypatch.setattr(GuardedProcess, "carry_out", killing)
         second = run(plan, estimate=False).checked()
@@ -287,7 +287,7 @@ def test_a_process_that_dies_late_is_no_evidence(
 def test_a_crash_in_a_study_is_told_as_in_a_run(shelf: Shelf, tmp_path: Path) -> None:
     good = load(faulty(tmp_path, shelf("FAULTY", 2), 0))
     bad = load(faulty(tmp_path, shelf("FAULTY", 2), 1))
-    with kept_processes():
+    with kept_between_runs():
         run(good, estimate=False).checked()
         outcome = run(bad, estimate=False)
         assert "step from t = 0.04 s by 0.01 s: its process was ended by SIGSEGV" in str(
