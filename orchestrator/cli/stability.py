@@ -53,7 +53,7 @@ def stability(
     Example: resilin stability --case water --method gauss-seidel
     """
     from ..errors import InputError
-    from ..scenario.files import scenario_names, scenario_path
+    from ..scenario.files import as_base, scenario_path
     from ..simulation.interrupt import Interrupt
     from ..studies.stability import Case, load_cases
     from ..studies.stability import stability as study_stability
@@ -68,9 +68,10 @@ def stability(
             raise InputError("--set: needs a scenario; the cases of a list have their own")
         if scenario is not None:
             path = scenario_path(scenario)
-            name = scenario if scenario in scenario_names() else str(path.absolute())
             changes = common.assignments(set_)
-            listed = [Case(name=path.stem, scenario={"extends": name}, set=dict(changes))]
+            listed = [
+                Case(name=path.stem, scenario={"extends": as_base(scenario)}, set=dict(changes))
+            ]
             file = Path(path.stem).absolute()
         else:
             file = cases or shipped()

@@ -57,7 +57,7 @@ def recorded(source: Recorded | Outcome | xarray.Dataset) -> Recorded:
 
 def _of_outcome(outcome: Outcome) -> Recorded:
     plan = outcome.plan
-    names = [f"{component}.{variable.name}" for component, variable in plan.records]
+    names = plan.record_names
     scenario = plan.scenario
     return Recorded(
         times=outcome.times,

@@ -73,6 +73,13 @@ def scenario_path(name: str, beside: Path | None = None) -> Path:
     raise ScenarioError(f"no scenario {printable(name)!r}; {nearest(name, shipped, show=40)}")
 
 
+def as_base(scenario: str) -> str:
+    """How a file in any folder names a scenario that it extends: a name, or the whole path."""
+    if scenario in scenario_names():
+        return scenario
+    return str(scenario_path(scenario).absolute())
+
+
 def read_tree(path: Path) -> dict[str, Any]:
     """Tree of one scenario, a TOML file or an SSP archive."""
     if (file := SSP.fullmatch(path.name)) is not None:

@@ -74,7 +74,7 @@ def facts(plan: Plan) -> dict[str, Any]:
             for name, r in plan.recordings.items()
         },
         "dropped": plan.dropped,
-        "records": [f"{name}.{v.name}" for name, v in plan.records],
+        "records": plan.record_names,
         "time": {
             "start": plan.grid.start,
             "stop": plan.grid.stop,

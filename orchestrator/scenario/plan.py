@@ -71,6 +71,11 @@ class Plan:
     digests: dict[str, str] = field(default_factory=dict)
 
     @property
+    def record_names(self) -> list[str]:
+        """The recorded variables as `component.variable`, in the order of `records`."""
+        return [f"{name}.{variable.name}" for name, variable in self.records]
+
+    @property
     def leading(self) -> list[str]:
         """Recorded variables whose errors count: `record.leading`, else what is wired, else all.
 

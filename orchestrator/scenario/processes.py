@@ -31,6 +31,11 @@ def is_guarded(plan: Plan) -> bool:
     return any(_is_foreign(plan, n) for n in names) and not any(needs_own(plan, n) for n in names)
 
 
+def shared_memory(plan: Plan) -> int:
+    """What the process of a guarded run may allocate [byte]: the most that any instance may."""
+    return max(limits.memory for limits in plan.limits.values())
+
+
 def needs_own(plan: Plan, name: str) -> bool:
     """Whether an instance can share a process with no other."""
     isolate = plan.scenario.components[name].isolate

@@ -143,7 +143,7 @@ class Recorder:
         memory: Memory | None = None,
     ) -> None:
         place = {name: index for index, name in enumerate(system.names)}
-        self.names = [f"{name}.{variable.name}" for name, variable in system.plan.records]
+        self.names = system.plan.record_names
         self._columns = np.array([place[name] for name in self.names], dtype=np.intp)
         self.every = every
         self.begin = system.plan.keep_from

@@ -6,6 +6,8 @@ add up with each attempt.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..errors import InitialisationError, InstanceFailure
@@ -35,28 +37,15 @@ def _check(system: System, coupled: CoupledInstance, size: float) -> None:
     instance = coupled.instance
     counted = instance.steps, instance.rollbacks, instance.warned
     values = system.values[coupled.stretch]
-    start = system.plan.grid.start
+    before = values.copy()
     state = instance.save()
     try:
-        before = values.copy()
-        taken = 0
-        while taken < MOST_STEPS and np.array_equal(values, before, equal_nan=True):
-            _step(coupled, start + taken * size, size)
-            taken += 1
-        after = values.copy()
-        instance.restore(state)
-        instance.receive()
-        back = values.copy()
-        for k in range(taken):
-            _step(coupled, start + k * size, size)
-        again = values.copy()
-        instance.restore(state)
-        instance.receive()
+        after, back, again = _tried(system, coupled, state, size)
     except InstanceFailure:
-        instance.restore(state)  # a step that fails is the run's to report
-        instance.receive()
-        return
+        return  # a step that fails is the run's to report
     finally:
+        instance.restore(state)
+        instance.receive()
         instance.forget(state)
         instance.steps, instance.rollbacks, instance.warned = counted
         if isinstance(instance, InProcessInstance) and instance.place is not None:
@@ -65,6 +54,25 @@ def _check(system: System, coupled: CoupledInstance, size: float) -> None:
     allowed = MISS * np.abs(after - before)
     for found, wanted, when in ((back, before, "after going back"), (again, after, "in a repeat")):
         _compare(system, coupled, found, wanted, allowed, when)
+
+
+def _tried(
+    system: System, coupled: CoupledInstance, state: Any, size: float
+) -> tuple[Values, Values, Values]:
+    """Outputs after some steps, after going back, and after the same steps again."""
+    values, start = system.values[coupled.stretch], system.plan.grid.start
+    before = values.copy()
+    taken = 0
+    while taken < MOST_STEPS and np.array_equal(values, before, equal_nan=True):
+        _step(coupled, start + taken * size, size)
+        taken += 1
+    after = values.copy()
+    coupled.instance.restore(state)
+    coupled.instance.receive()
+    back = values.copy()
+    for k in range(taken):
+        _step(coupled, start + k * size, size)
+    return after, back, values.copy()
 
 
 def _step(coupled: CoupledInstance, time: float, size: float) -> None:

@@ -170,7 +170,7 @@ class System:
         folder = folders[interface.path]
         if self._open is not None:
             return self._open(name, interface, folder)
-        isolate = True if needs_own(plan, name) else plan.scenario.components[name].isolate
+        isolate = needs_own(plan, name) or plan.scenario.components[name].isolate
         return open_instance(name, interface, folder, isolate, plan.limits[name], home(plan))
 
     def _connect(self, instances: dict[str, Instance]) -> None:

@@ -99,6 +99,21 @@ def faulty(
     return scenario(folder, failing, *beside, hold({"faulty.u": 1.0, **(held or {})}), stop=stop)
 
 
+def between(first: str, second: str, pair: str) -> str:
+    """Wires of two MASSes and the PAIR between them: motions to it, forces back."""
+    return wires(
+        *(
+            wire
+            for mass, port in ((first, "first"), (second, "second"))
+            for wire in (
+                f"{mass}.displacement -> {pair}.{port}.displacement",
+                f"{mass}.velocity -> {pair}.{port}.velocity",
+                f"{pair}.{port}.value -> {mass}.force",
+            )
+        )
+    )
+
+
 def masses(
     folder: Path,
     shelf: Shelf,
@@ -119,17 +134,7 @@ def masses(
         part("a", mass, start={"start_displacement": 1.0}, isolate=isolate),
         part("b", mass, isolate=isolate),
         part("pair", pair, start={"stiffness": 2.0, "ground_stiffness": 3.0}, isolate=isolate),
-        wires(
-            *(
-                wire
-                for mass, port in (("a", "first"), ("b", "second"))
-                for wire in (
-                    f"{mass}.displacement -> pair.{port}.displacement",
-                    f"{mass}.velocity -> pair.{port}.velocity",
-                    f"pair.{port}.value -> {mass}.force",
-                )
-            )
-        ),
+        between("a", "b", "pair"),
         stop=stop,
         more=more,
     )
@@ -175,24 +180,13 @@ def quarter_car(
     """
     mass = shelf("MASS", version)
     suspension = {"stiffness": 2e4, "damping": 1.5e3, "ground_stiffness": 0.0}
-    joined = (("body", "first"), ("wheel", "second"))
     return scenario(
         folder,
         *texts,
         part("body", mass, start={"mass": 300.0, "start_displacement": 0.05}, **keys),
         part("wheel", mass, start={"mass": 40.0, "stiffness": 1.8e5}, **keys),
         part("suspension", shelf("PAIR", version), start=suspension, **keys),
-        wires(
-            *(
-                wire
-                for name, port in joined
-                for wire in (
-                    f"{name}.displacement -> suspension.{port}.displacement",
-                    f"{name}.velocity -> suspension.{port}.velocity",
-                    f"suspension.{port}.value -> {name}.force",
-                )
-            )
-        ),
+        between("body", "wheel", "suspension"),
         stop=1.0,
         step=step,
         more=more,

@@ -6,7 +6,6 @@ import json
 import math
 import subprocess
 import threading
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable
 from .base import Instance, Limits, Values
 from .place import step_text
-from .process import CLOSING_TIME, Tail, ended, how_it_ended, kill, started
+from .process import CLOSING_TIME, Tail, dispose, ended, how_it_ended, kill, no_answer, started
 from .protocol import STEP, Garbled, Gone, command, read_answer, write_all
 
 
@@ -97,11 +96,10 @@ class IsolatedInstance(Instance):
         """How the process ended, which has closed its pipe; the watch kills one that runs on."""
         code = ended(self._process)
         if self._watch.fired:
-            end = f"no answer within {self._watch.patience:g} s; its process was stopped"
+            end = no_answer(self._watch.patience)
         else:
             end = how_it_ended(code, self._limits.memory)
-        line = self._output_tail.last_line()
-        return f"{end}; its last output: {line}" if line else end
+        return self._output_tail.behind(end)
 
     def prepare(
         self,
@@ -182,7 +180,6 @@ class IsolatedInstance(Instance):
 
     def close(self) -> None:
         """End the process by a command or, where that fails, by force. No orphan is left."""
-        process = self._process
         try:
             if not self._lost:
                 self._watch.patience = min(CLOSING_TIME, self._limits.patience)
@@ -192,13 +189,8 @@ class IsolatedInstance(Instance):
             self.log(0, str(error))
         finally:
             self._lost = True
-            kill(process)
-            ended(process)
+            dispose(self._process, self._output_tail)
             self._watch.stop()
-            self._output_tail.stop()
-            for stream in (process.stdin, process.stdout):
-                with suppress(OSError):
-                    stream.close()  # type: ignore[union-attr]
 
 
 class _Watch:

@@ -9,19 +9,17 @@ from __future__ import annotations
 
 import importlib
 import json
-import os
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...errors import FmuError, InstanceFailure, printable
+from ...errors import FmuError, InstanceFailure
 from ..description import Interface, Variable, read_interface
 from . import in_process
-from .child_process import limit_memory, take_pipes
+from .child_process import limit_memory, serve_pipes
 from .in_process import InProcessInstance
-from .protocol import COMMAND, STEP, Gone, answer, read_exactly, write_all
+from .protocol import COMMAND, STEP, answer, read_exactly, write_all
 
 
 class Host:
@@ -132,15 +130,7 @@ class Host:
 
 def main() -> None:
     """Take the pipe off the standard streams and serve."""
-    commands, answers = take_pipes()
-    try:
-        Host().serve(commands, answers)
-    except Gone:
-        pass
-    except BaseException as error:
-        print(printable(repr(error)), file=sys.stderr, flush=True)
-        os._exit(3)
-    os._exit(0)
+    serve_pipes(lambda commands, answers: Host().serve(commands, answers))
 
 
 if __name__ == "__main__":

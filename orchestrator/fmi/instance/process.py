@@ -51,7 +51,6 @@ def started(
         pass_fds=pass_fds,
         start_new_session=True,
     )
-    _MARKS[process.pid] = mark
     if KEEPER is not None:
         try:
             KEEPER.add(process.pid, scratch)
@@ -59,6 +58,7 @@ def started(
             kill(process)
             process.wait()
             raise
+    _MARKS[process.pid] = mark
     return process
 
 
@@ -107,6 +107,21 @@ def largest_child() -> float:
     return most * (1.0 if sys.platform == "darwin" else 1024.0)
 
 
+def dispose(process: subprocess.Popen[bytes], tail: Tail) -> None:
+    """Kill a process with all that it has started, and close what led to it."""
+    kill(process)
+    ended(process)
+    tail.stop()
+    for stream in (process.stdin, process.stdout):
+        with suppress(OSError):
+            stream.close()  # type: ignore[union-attr]
+
+
+def no_answer(patience: float) -> str:
+    """How a process ended that was stopped amid a call, after so many seconds."""
+    return f"no answer within {patience:g} s; its process was stopped"
+
+
 def how_it_ended(code: int, memory: int) -> str:
     """How a process ended by itself: with which signal or exit code, and whether memory ran out.
 
@@ -136,12 +151,12 @@ class Tail:
             while chunk := os.read(stream.fileno(), 1 << 16):
                 self._kept = (self._kept + chunk)[-KEPT_OUTPUT:]
 
-    def last_line(self) -> str:
-        """The last line that has arrived, safe to print."""
+    def behind(self, end: str) -> str:
+        """How a process ended, and the last line that it printed, safe to print."""
         self._thread.join(0.5)
         lines = self._kept.decode("utf-8", "replace").split("\n")
         last = [line.strip() for line in lines if line.strip()][-1:]
-        return printable(last[0], most=300) if last else ""
+        return f"{end}; its last output: {printable(last[0], most=300)}" if last else end
 
     def stop(self) -> None:
         self._thread.join(CLOSING_TIME)

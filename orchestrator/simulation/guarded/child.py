@@ -10,19 +10,19 @@ from __future__ import annotations
 import importlib
 import os
 import pickle
-import sys
 from collections.abc import Callable
 from contextlib import chdir
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from ...errors import InputError, OutputError, SimulationError, printable
+from ...errors import InputError, OutputError, SimulationError
 from ...fmi.description import Interface
 from ...fmi.instance import Instance
-from ...fmi.instance.child_process import limit_memory, take_pipes
+from ...fmi.instance.child_process import limit_memory, serve_pipes
 from ...fmi.instance.placed import placed_instance
-from ...fmi.instance.protocol import COMMAND, Gone, answer, read_exactly, write_all
+from ...fmi.instance.protocol import COMMAND, answer, read_exactly, write_all
+from ...scenario.processes import shared_memory
 from ..interrupt import Interrupt, Interrupted
 from ..stepping import stepped
 from ..system import System, home
@@ -75,23 +75,20 @@ class DistantSegments:
 
 def serve(pipe: Pipe) -> None:
     """Carry out jobs until the pipe ends, within the memory of the first."""
-    limited = False
+    job: Job = pickle.loads(pipe.take()[1])
+    _prepare(job)
     while True:
-        job: Job = pickle.loads(pipe.take()[1])
-        if not limited:
-            _prepare(job)
-            limited = True
-        folder = Path.cwd()
-        _carry_out(job, pipe)
-        os.chdir(folder)
+        with chdir(Path.cwd()):
+            _carry_out(job, pipe)
         pipe.tell(DONE, None)
+        job = pickle.loads(pipe.take()[1])
 
 
 def _prepare(job: Job) -> None:
     """Import what the instances of a job need, then limit the memory."""
     for version in {interface.version for interface in job.plan.interfaces.values()}:
         importlib.import_module(f"fmpy.fmi{version}")
-    limit_memory(job.memory)
+    limit_memory(shared_memory(job.plan))
 
 
 def _carry_out(job: Job, pipe: Pipe) -> None:
@@ -135,15 +132,7 @@ def _opened_here(job: Job, working: Path, board: Board, pipe: Pipe) -> Callable[
 
 def main() -> None:
     """Take the pipes off the standard streams and serve."""
-    pipe = Pipe(*take_pipes())
-    try:
-        serve(pipe)
-    except Gone:
-        pass
-    except BaseException as error:
-        print(printable(repr(error)), file=sys.stderr, flush=True)
-        os._exit(3)
-    os._exit(0)
+    serve_pipes(lambda commands, answers: serve(Pipe(commands, answers)))
 
 
 if __name__ == "__main__":

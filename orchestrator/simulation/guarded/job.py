@@ -36,11 +36,6 @@ class Job:
     files: Files
     segmented: bool
 
-    @property
-    def memory(self) -> int:
-        """What its process may allocate [byte]: the most that any instance may."""
-        return max(limits.memory for limits in self.plan.limits.values())
-
 
 def noted(error: Exception | None) -> dict[str, Any] | None:
     """An error as JSON."""

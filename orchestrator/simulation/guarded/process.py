@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InitialisationError
-from ...fmi.instance.process import Tail, ended, how_it_ended, kill, started
+from ...fmi.instance.process import Tail, dispose, ended, how_it_ended, kill, started
 from ...fmi.instance.protocol import Frames, Gone, command, write_all
 from ...scenario.plan import Plan
+from ...scenario.processes import shared_memory
 from ..scratch import Scratch
 from .job import Job
 from .shared import Files
@@ -31,7 +32,7 @@ class GuardedProcess:
         self.files = Files.made()
         self.used = 0
         self.idle = False
-        self._memory = 0
+        self._memory = shared_memory(plan)
         self._frames = Frames()
         self._stack = ExitStack()
         self._stack.callback(self.files.close)
@@ -57,7 +58,6 @@ class GuardedProcess:
         self.files.clear(len(job.plan.order))
         self.used += 1
         self.idle = False
-        self._memory = self._memory or job.memory
         self.reply(b"j", pickle.dumps(job))
 
     def reply(self, letter: bytes, payload: bytes = b"") -> None:
@@ -88,16 +88,9 @@ class GuardedProcess:
 
     def end(self) -> str:
         """Wait for its end, and say how it came."""
-        end = how_it_ended(ended(self._process), self._memory)
-        line = self._tail.last_line()
-        return f"{end}; its last output: {line}" if line else end
+        return self._tail.behind(how_it_ended(ended(self._process), self._memory))
 
     def close(self) -> None:
         """Kill the process with all that it has started, and remove its files."""
-        self.kill()
-        ended(self._process)
-        self._tail.stop()
-        for stream in (self._process.stdin, self._process.stdout):
-            with suppress(OSError):
-                stream.close()
+        dispose(self._process, self._tail)
         self._stack.close()

@@ -105,8 +105,8 @@ def written(made: Files, width: int) -> tuple[Values, Values]:
     """Copies of the times and rows that are whole, for the process that watches."""
     times = _read(made.times)
     missing = np.flatnonzero(np.isnan(times))
-    rows = _read(made.rows)
     count = int(missing[0]) if len(missing) else len(times)
+    rows = _read(made.rows, count * width)
     if width:
         count = min(count, len(rows) // width)
     return times[:count], rows[: count * width].reshape(count, width)
@@ -118,7 +118,8 @@ def discard(made: Files) -> None:
     os.pwrite(made.times, np.full(count, np.nan).tobytes(), 0)
 
 
-def _read(descriptor: int) -> Values:
+def _read(descriptor: int, most: int = -1) -> Values:
+    """The numbers of a file, at most so many of them."""
     with os.fdopen(os.dup(descriptor), "rb") as file:
         file.seek(0)
-        return np.fromfile(file)
+        return np.fromfile(file, count=most)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...errors import InitialisationError, InstanceFailure, OutputError
 from ...fmi.instance.message_log import MessageLog
-from ...fmi.instance.process import CLOSING_TIME
+from ...fmi.instance.process import CLOSING_TIME, no_answer
 from ...fmi.instance.protocol import Garbled
 from ...results.outcome import Outcome, Report
 from ...results.segments import Segments
@@ -153,7 +153,7 @@ class Watch:
             if self._report is not None:
                 patience = min(patience, CLOSING_TIME)
             if self._waited > patience:
-                self._cause = f"no answer within {patience:g} s; its process was stopped"
+                self._cause = no_answer(patience)
 
     def _culprit(self) -> str | None:
         """The instance that is amid a call."""
@@ -190,7 +190,7 @@ class Watch:
             report["points"] = GridPoints(self._plan) if report["failure"] is None else []
         return Outcome(
             plan=self._plan,
-            names=self._names,
+            names=self._plan.record_names,
             times=times,
             rows=rows,
             segments=self._segments,
@@ -204,7 +204,7 @@ class Watch:
         begun = self._board.header.begun
         return Outcome(
             plan=self._plan,
-            names=self._names,
+            names=self._plan.record_names,
             times=times,
             rows=rows,
             wall_time=perf_counter() - begun if begun else 0.0,
@@ -219,10 +219,6 @@ class Watch:
                 for name, log in self._logs.items()
             },
         )
-
-    @property
-    def _names(self) -> list[str]:
-        return [f"{name}.{variable.name}" for name, variable in self._plan.records]
 
     def _rows(self) -> Any:
         """Times and rows that are whole by now."""

@@ -202,7 +202,7 @@ def _held(system: System, wanted: Sequence[str] | None) -> dict[str, tuple[Any, 
 
 def _columns(system: System, wanted: Sequence[str] | None) -> list[int]:
     """Places of the recorded variables that are shown; by default times and energies are not."""
-    recorded = [f"{name}.{v.name}" for name, v in system.plan.records]
+    recorded = system.plan.record_names
     for name in wanted or []:
         if name not in recorded:
             raise InputError(f"--output {name}: is not recorded; there is {', '.join(recorded)}")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ...errors import InputError, OutputError, ScenarioError
 from ...report.files import written_whole
-from ...scenario.files import scenario_names
+from ...scenario.files import as_base
 from ...scenario.library import LIBRARY
 from ...simulation.load import unloaded
 from .study import Study
@@ -39,7 +39,7 @@ def write_setting(
         raise OutputError(f"{path}: is there already; move it away")
     lines = [
         f"# {best.method}: error {study.error(best):.1e} against {study.reference}",
-        f"extends = {json.dumps(_base(scenario))}",
+        f"extends = {json.dumps(as_base(scenario))}",
         "",
         "[master]",
         f"kind = {json.dumps(best.method.kind)}",
@@ -64,8 +64,3 @@ def write_setting(
         path.unlink()
         raise
     return path
-
-
-def _base(scenario: str) -> str:
-    """How a file in the current folder names the studied scenario."""
-    return scenario if scenario in scenario_names() else str(Path(scenario).absolute())

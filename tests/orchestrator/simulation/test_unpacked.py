@@ -12,7 +12,7 @@ from orchestrator.fmi.built import digest_of
 from orchestrator.simulation.guarded.kept import kept_between_runs
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
-from orchestrator.simulation.unpacked import kept_folders, unpacked
+from orchestrator.simulation.unpacked import FOLDERS, unpacked
 
 pytestmark = pytest.mark.usefixtures("mark")
 
@@ -31,10 +31,10 @@ def test_a_folder_lasts_for_one_run(payload_fmu: Path) -> None:
 
 def test_a_kept_one_serves_all(payload_fmu: Path) -> None:
     digest = digest_of(payload_fmu)
-    with kept_folders():
+    with FOLDERS.inside():
         with unpacked(payload_fmu, digest, keep=True) as first:
             pass
-        with unpacked(payload_fmu, digest, keep=True) as second, kept_folders():
+        with unpacked(payload_fmu, digest, keep=True) as second, FOLDERS.inside():
             assert second == first
         with unpacked(payload_fmu, digest, keep=False) as third:
             assert third != first
@@ -47,7 +47,7 @@ def test_a_file_that_has_changed_is_refused(payload_fmu: Path, tmp_path: Path) -
     path = tmp_path / "changed.fmu"
     shutil.copy(payload_fmu, path)
     digest = digest_of(path)
-    with kept_folders():
+    with FOLDERS.inside():
         with unpacked(path, digest, keep=True):
             pass
         with path.open("ab") as file:
