@@ -135,7 +135,7 @@ def _scalar(part: Part, reference: int, variable: Variable) -> Element:
 
 def _variability(variable: Variable) -> str:
     if variable.causality != "parameter":
-        return "continuous"
+        return "discrete" if variable.quantity.discrete else "continuous"
     return "tunable" if variable.quantity.tunable else "fixed"
 
 

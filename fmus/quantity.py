@@ -28,7 +28,7 @@ class Quantity:
     `choices` names the items of an enumeration, numbered from 1. `depends` lists the
     ports or variables an output follows without a step in between. `name`, where given,
     is the FMI name in place of the one made of port and field. `tunable` parameters may
-    change while the part runs, those that leave state and energy as they are.
+    change while the part runs. `discrete` outputs change at events only.
     """
 
     unit: str
@@ -42,6 +42,7 @@ class Quantity:
     depends: tuple[str, ...] = ()
     name: str = ""
     tunable: bool = False
+    discrete: bool = False
 
     def fmi_name(self, field: str) -> str:
         """FMI name of the dataclass field: `force_value` in port `force` is `force.value`."""
@@ -84,11 +85,13 @@ def provided(
     least: float | None = None,
     most: float | None = None,
     name: str = "",
+    discrete: bool = False,
 ) -> Any:
     """Field of `Output`; `depends` names the ports or inputs it follows directly."""
     quantity = Quantity(
-        unit, meaning, least, most, port=port, order=order, depends=depends, name=name
-    )
+        unit, meaning, least, most,
+        port=port, order=order, depends=depends, name=name, discrete=discrete,
+    )  # fmt: skip
     return dataclasses.field(metadata={"quantity": quantity})
 
 

@@ -51,6 +51,15 @@ class Params:
     air_density: float = parameter(
         1.2, "kg/m3", "Density of the air", "assumed", least=0.0, tunable=True
     )
+    membrane_share: float = parameter(
+        1.0,
+        "1",
+        "Share of the wing's area that has a membrane; 0 is a bare frame",
+        "chosen: whole",
+        least=0.0,
+        most=1.0,
+        tunable=True,
+    )
     lift_coefficient: float = parameter(1.678, "1", "C_T in C_L = C_T sin 2a", HAWKMOTH)
     drag_edgewise: float = parameter(0.07, "1", "C_D at a = 0", HAWKMOTH, least=0.0)
     drag_broadside: float = parameter(3.06, "1", "C_D at a = 90 degrees", HAWKMOTH, least=0.0)
@@ -141,21 +150,22 @@ def drag_area(p: Params) -> float:
     """1/2 rho c R^4 r3^3 of both wings [N m s2]."""
     r2 = p.wing_length * p.wing_length
     r3 = p.third_moment_radius
-    return p.air_density * chord(p) * r2 * r2 * r3 * r3 * r3
+    return p.membrane_share * p.air_density * chord(p) * r2 * r2 * r3 * r3 * r3
 
 
 def lift_area(p: Params) -> float:
     """1/2 rho c R^3 r2^2 of both wings [N s2]."""
     r = p.wing_length
     r2 = p.second_moment_radius
-    return p.air_density * chord(p) * r * r * r * r2 * r2
+    return p.membrane_share * p.air_density * chord(p) * r * r * r * r2 * r2
 
 
 def broadside_inertia(p: Params) -> float:
     """Added inertia of both wings at a = 90 degrees [kg m2]."""
     r = p.wing_length
     c = chord(p)
-    return 0.5 * math.pi * p.air_density * c * c * r * r * r * p.added_mass_factor
+    swept = 0.5 * math.pi * p.air_density * c * c * r * r * r
+    return p.membrane_share * swept * p.added_mass_factor
 
 
 def pitch(p: Params, rate: float) -> tuple[float, float]:

@@ -47,6 +47,7 @@ class Params:
         "Moment of inertia of both wings about the root, without added mass",
         "chosen: no wings",
         least=0.0,
+        tunable=True,
     )
     damping: float = parameter(
         0.0,

@@ -35,6 +35,13 @@ def linearise(
     kind: common.Kind = None,
     laws: common.Laws = None,
     step: common.Step = None,
+    interval: Annotated[
+        str | None,
+        typer.Option(
+            help='See the system at this interval, as "1 cycle" of a drive that is on: the averaged'
+            " model. The communication step if not given."
+        ),
+    ] = None,
     bode: Annotated[
         Path | None, typer.Option(help="Draw the frequency response into this file.")
     ] = None,
@@ -48,9 +55,12 @@ def linearise(
 ) -> None:
     """Linearise a scenario about its state of rest, through the FMUs alone.
 
+    A driven one is at rest once a cycle: --interval "1 cycle".
+
     Example: resilin linearise oscillator-1 --set amplifier.waveform=external
     --hold amplifier.command.top="1 kV" --bode bode.svg
     """
+    from ..simulation.linear.state_space import AVERAGED, MARKOV
     from ..simulation.linear.state_space import linearise as linearised
     from ..simulation.linear.step_map import MAPPED, step_map
     from ..simulation.load import load
@@ -59,9 +69,14 @@ def linearise(
         options: dict[str, Any] = common.overrides(laws, kind, step=step)
         held = common.assignments(hold, "--hold")
         plan = load(scenario, common.assignments(set_), fmus, **options, hold=held)
-        found = linearised(plan, input_, output)
-        mapped = step_map(plan)
-        radii = {name: mapped.radius(name) for name in MAPPED}
+        if interval is None:
+            found = linearised(plan, input_, output)
+            mapped = step_map(plan)
+            radii = {name: mapped.radius(name) for name in MAPPED}
+        else:
+            every = _seconds(interval, plan)
+            found = linearised(plan, input_, output, count=MARKOV, interval=every, nudge=AVERAGED)
+            radii = {}
         if bode is not None:
             from ..studies.frequency_response import beside, draw
 
@@ -80,6 +95,17 @@ def linearise(
         )
         return
     _report(found, radii)
+
+
+def _seconds(text: str, plan: Plan) -> float:
+    """A sampling interval [s], in seconds or in cycles of a scenario."""
+    from ..errors import Problems
+    from ..scenario.time_grid import seconds
+
+    problems = Problems(plan.path)
+    every = seconds("--interval", text, plan.frequency, problems)
+    problems.check()
+    return every
 
 
 def _amplitude(plan: Plan, found: Linear, text: str) -> float:

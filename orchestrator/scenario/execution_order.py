@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from ..errors import Problems, nearest
+from ..fmi.description import EVENT, Interface
 from .connections import Connection
 from .schema import Scenario
 
 
-def order_of(scenario: Scenario, connections: list[Connection], problems: Problems) -> list[str]:
+def order_of(
+    scenario: Scenario,
+    connections: list[Connection],
+    interfaces: dict[str, Interface],
+    problems: Problems,
+) -> list[str]:
     """Execution order as the scenario gives it, else from its wires.
 
     A component comes after those that feed it, otherwise in the scenario's order. Components of a
@@ -17,7 +23,7 @@ def order_of(scenario: Scenario, connections: list[Connection], problems: Proble
     listed = list(scenario.components)
     given = scenario.master.order
     if not given:
-        last = deciders(connections)
+        last = deciders(connections, interfaces)
         return _derived(sorted(listed, key=lambda name: name in last), connections)
     for name in given:
         if name not in listed:
@@ -30,10 +36,18 @@ def order_of(scenario: Scenario, connections: list[Connection], problems: Proble
     return list(given)
 
 
-def deciders(connections: list[Connection]) -> set[str]:
-    """Components that put nothing but switches, choices and whole numbers on wires."""
-    numbers = {c.source for c in connections if c.output.real}
-    return {c.source for c in connections} - numbers
+def deciders(connections: list[Connection], interfaces: dict[str, Interface]) -> set[str]:
+    """Components whose wires carry nothing but what jumps: switches, choices, whole numbers.
+
+    A discrete real number counts where its component announces when it will jump.
+    """
+    continuous = {
+        c.source
+        for c in connections
+        if c.output.real
+        and not (c.output.variability == "discrete" and EVENT in interfaces[c.source].variables)
+    }
+    return {c.source for c in connections} - continuous
 
 
 def _derived(listed: list[str], connections: list[Connection]) -> list[str]:

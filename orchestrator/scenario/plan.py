@@ -123,7 +123,7 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
     held = held_of(scenario, interfaces, fed, problems)
     if not problems.at("hold", "wires"):
         check_all_fed(interfaces, fed, problems)
-    order = order_of(scenario, connections, problems)
+    order = order_of(scenario, connections, interfaces, problems)
     records = _records(scenario, interfaces, problems)
     frequency = frequency_of(scenario, interfaces, starts, problems) or _recorded(recordings)
     grid = grid_of(scenario, frequency, problems)

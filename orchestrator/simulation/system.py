@@ -189,7 +189,7 @@ class System:
         sources = sorted({place[c.source, c.output.name] for c in plan.connections})
         self.wired = np.array(sources, dtype=np.intp)
         first = 0
-        deciding = deciders(plan.connections)
+        deciding = deciders(plan.connections, plan.interfaces)
         for name in plan.order:
             count = sum(len(group) for group in groups[name])
             stretch = slice(first, first + count)

@@ -275,6 +275,7 @@ def test_two_builds_and_three_instances_of_each_stay_apart(
     changed = {
         "aero": ("air_density", "2.4", "load.quadratic_drag", 2.0),
         "amplifier": ("amplitude", "960 V", "top.voltage", 0.5),
+        "controller": ("start_drive", "0.25", "command.top", 0.5),
         "linkage": ("slider_mass", "1 kg", "velocity", None),
         "membrane": ("permittivity", "5.3", "top.capacitance", 2.0),
         "monolith": ("amplifier.amplitude", "960 V", "amplifier.top.voltage", 0.5),

@@ -294,16 +294,20 @@ def _wire(
 def _held(
     title: str, interface: Interface, fed: set[str], starts: dict[str, Any]
 ) -> dict[str, float | str | bool]:
-    """Inputs that nothing feeds, held at their start values, as SSP defines it."""
+    """Inputs that nothing feeds, held at their start values, as SSP defines it.
+
+    Of a port its first member, and those that the archive gives a value.
+    """
     held: dict[str, float | str | bool] = {}
     for variable in interface.of("input"):
         first = interface.port(variable.port, "input")[0] if variable.port else variable
-        if not variable.numeric or f"{title}.{variable.name}" in fed:
+        if not variable.numeric or fed & {f"{title}.{v.name}" for v in (variable, first)}:
             continue
-        if f"{title}.{first.name}" in fed:
+        if variable is not first and variable.name not in starts:
             continue
-        value = starts.get(first.name, first.start)
-        if first.kind == "Enumeration" and isinstance(value, float):
-            value = first.choices[first.codes.index(int(value))]
-        held[f"{title}.{first.name}"] = bool(value) if first.kind == "Boolean" else value or 0.0
+        value = starts.get(variable.name, variable.start)
+        if variable.kind == "Enumeration" and isinstance(value, float):
+            value = variable.choices[variable.codes.index(int(value))]
+        kept = bool(value) if variable.kind == "Boolean" else value or 0.0
+        held[f"{title}.{variable.name}"] = kept
     return held

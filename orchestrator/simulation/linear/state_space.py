@@ -1,9 +1,12 @@
 """A scenario at rest as a linear system, identified through the interfaces of its FMUs.
 
-Each input is nudged for one communication step, up and down; half the difference of the
+Each input is nudged for one sampling interval, up and down; half the difference of the
 responses is the sequence of Markov parameters, free of even terms. The eigensystem
 realisation (Juang and Pappa 1985) turns it into x(k+1) = A x(k) + B u(k), y(k) = C x(k) + D u(k),
 and a second record, of another shape and twice as long, decides whether that is the system.
+
+The sampling interval is a communication step, or a whole number of them: seen once a cycle, a
+driven system in its periodic state is at rest, and what is found is its averaged linear model.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ from numpy.typing import NDArray
 from ...errors import InputError, SimulationError
 from ...scenario.plan import Plan
 from ..coupled_instance import CoupledInstance
-from ..masters import Master, master_class
+from ..masters import master_class
 from ..stepper import Stepper
 from ..system import System
 from .realisation import Hankel, held_response
@@ -31,14 +34,20 @@ Values = NDArray[np.float64]
 AT_REST = 1e-9
 MOST_STEPS = 100_000
 WINDOW = 200
+LEAST_WINDOW = 10
 COUNT = 240
 NUDGE = 1e-4
+MARKOV = 12
+"""Intervals of a response from which an averaged model is made: a cycle forgets much."""
+AVERAGED = 3e-3
+"""Nudge for an averaged model: far above what an edge between two steps changes."""
 UNEVEN = 0.1
 """Even share of a response from which on an output is not smooth."""
 UNMOVED = 1e-10
 """Response relative to the value at rest below which an output does not move."""
 MATCHED = 0.02
 """Error, by the largest value, that the system may have on the second record."""
+UNMATCHED = 1e-9
 PERIODIC = 0.995
 STUBBORN = 20
 """Windows over which the motion has to fall to this share: else nothing comes to rest."""
@@ -46,9 +55,9 @@ STUBBORN = 20
 
 @dataclass(frozen=True)
 class Linear:
-    """A discrete linear system with named signals; `step` is its sampling time [s].
+    """A discrete linear system with named signals; `step` is its sampling interval [s].
 
-    Inputs are held over a step. `rest` holds the outputs at the point of linearisation,
+    Inputs are held over an interval. `rest` holds the outputs at the point of linearisation,
     `left_out` the outputs that have no linear response, with the reason. `matched` is the error on
     a second record, relative to the largest value.
     """
@@ -105,25 +114,33 @@ def linearise(
     *,
     count: int = COUNT,
     order: int | None = None,
+    interval: float | None = None,
+    nudge: float = NUDGE,
 ) -> Linear:
     """Linear system of a scenario about its state of rest, by its own master and step.
 
     `inputs` are held inputs, by default all real ones; `outputs` recorded variables, by default
     all that answer smoothly. The order is that with the widest gap in the singular values whose
-    system meets a second record. Raises `InputError` where an instance cannot roll back, where a
+    system meets a second record. With `interval` [s], a whole number of communication steps, the
+    system is sampled at that interval and steps end at announced events: an interval of one
+    cycle gives the averaged model of a driven system about its periodic state, for which the
+    outputs alone are looked at. `count` is the number of Markov parameters, `nudge` the size of a
+    nudge by that of its input or 1. Raises `InputError` where an instance cannot roll back, where a
     name is not known, where the scenario does not come to rest, where an output that is asked for
-    does not answer, and where no linear system meets the records.
+    does not answer, where the interval is not a whole number of steps, and where no linear system
+    meets the records.
     """
+    every = _steps_in(interval, plan)
     unable = [name for name, known in plan.interfaces.items() if not known.rollback]
     if unable:
         raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
     with System(endless(plan)) as system:
         master = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
         stepper = Stepper(system, master)
-        time, _ = rest(system, stepper)
         held = _held(system, inputs)
         shown = _columns(system, outputs)
-        probe = _Probe(system, master, time, held, shown)
+        time, _ = rest(system, stepper, every, shown if every > 1 else None)
+        probe = _Probe(system, stepper, time, held, shown, every, nudge)
         sequence, direct, even = probe.impulses(count)
         resting = probe.resting
         left_out = _left_out(probe, sequence, direct, even, resting)
@@ -136,8 +153,21 @@ def linearise(
     found, matched = _matching(sequence, direct, second, order, plan)
     if left_out and not len(found[0]):
         raise InputError(f"{plan.path}: not linearised: no motion is left: {reasons}")
-    names, step = [system.names[shown[i]] for i in kept], plan.grid.step
+    names, step = [system.names[shown[i]] for i in kept], every * plan.grid.step
     return Linear(*found, direct, step, list(held), names, resting[kept], left_out, matched)
+
+
+def _steps_in(interval: float | None, plan: Plan) -> int:
+    """Communication steps in an interval; `InputError` where they are not a whole number."""
+    if interval is None:
+        return 1
+    steps = interval / plan.grid.step
+    if round(steps) < 1 or abs(steps - round(steps)) > UNMATCHED * steps:
+        raise InputError(
+            f"{plan.path}: an interval of {interval:g} s is {steps:.6g} communication steps of"
+            f" {plan.grid.step:g} s; it has to be a whole number of them"
+        )
+    return round(steps)
 
 
 def endless(plan: Plan, step: float | None = None) -> Plan:
@@ -151,34 +181,41 @@ def endless(plan: Plan, step: float | None = None) -> Plan:
     return replace(plan, grid=replace(grid, stop=stop, count=count))
 
 
-def rest(system: System, stepper: Stepper) -> tuple[float, Values]:
-    """Step until nothing changes any more; return the time reached, and the largest values seen."""
+def rest(
+    system: System, stepper: Stepper, every: int = 1, shown: list[int] | None = None
+) -> tuple[float, Values]:
+    """Step until nothing changes any more; return the time reached, and the largest values seen.
+
+    Values are looked at after `every` steps, those in the places `shown`, or all but times.
+    """
     grid = system.plan.grid
-    kept = [k for k in range(len(system.names)) if system.variables[k].unit != "s"]
+    kept = shown or [k for k in range(len(system.names)) if system.variables[k].unit != "s"]
+    window = max(WINDOW // every, LEAST_WINDOW)
     largest = np.abs(system.values)
     begin = system.values[kept].copy()
     moved = np.zeros(len(kept))
     motion: list[Values] = []
-    for k in range(MOST_STEPS):
-        time = grid.start + k * grid.step
-        if k and k % WINDOW == 0:
+    for k in range(MOST_STEPS // every):
+        if k and k % window == 0:
             if np.all(moved <= AT_REST * (largest[kept] + 1e-12)):
-                return time, largest
+                return grid.start + k * every * grid.step, largest
             motion = [*motion[-STUBBORN:], moved]
             worst = int(np.argmax(moved / (largest[kept] + 1e-12)))
             if len(motion) > STUBBORN and moved[worst] > PERIODIC * max(m[worst] for m in motion):
                 break
             begin, moved = system.values[kept].copy(), np.zeros(len(kept))
-        stepper.to(time, grid.start + (k + 1) * grid.step, grid.step)
+        for n in range(k * every, (k + 1) * every):
+            stepper.to(grid.start + n * grid.step, grid.start + (n + 1) * grid.step, grid.step)
         now = system.values[kept]
         np.maximum(largest, np.abs(system.values), out=largest)
         np.maximum(moved, np.abs(now - begin), out=moved)
         if not np.all(np.isfinite(now)):
             raise SimulationError(f"{system.plan.path}: leaves all bounds before it comes to rest")
     worst = int(np.argmax(moved / (largest[kept] + 1e-12)))
+    hint = "; switch the drive off, as --set amplifier.amplitude=0" if every == 1 else ""
     raise InputError(
-        f"{system.plan.path}: {system.names[kept[worst]]} does not come to rest in {k + 1}"
-        " steps; switch the drive off, as --set amplifier.amplitude=0"
+        f"{system.plan.path}: {system.names[kept[worst]]} does not come to rest in"
+        f" {(k + 1) * every} steps{hint}"
     )
 
 
@@ -221,10 +258,12 @@ class _Probe:
     """A system at rest whose held inputs are nudged; everything goes back to rest before each."""
 
     system: System
-    master: Master
+    stepper: Stepper
     time: float
     held: dict[str, tuple[CoupledInstance, int]]
     shown: list[int]
+    every: int
+    nudge: float
 
     @property
     def resting(self) -> Values:
@@ -233,7 +272,7 @@ class _Probe:
     def size(self, name: str) -> float:
         """Size of the nudge of an input, in its unit."""
         coupled, place = self.held[name]
-        return NUDGE * max(abs(float(coupled.buffer[place])), 1.0)
+        return self.nudge * max(abs(float(coupled.buffer[place])), 1.0)
 
     def impulses(self, count: int) -> tuple[Values, Values, Values]:
         """Markov parameters (count, outputs, inputs) from the second on, the first, D, and even.
@@ -260,11 +299,11 @@ class _Probe:
         return found
 
     def _response(self, name: str, nudge: float, lasting: int, count: int) -> Values:
-        """Change of the outputs (count + 1, outputs) under a nudge that lasts some steps."""
-        system, size = self.system, self.system.plan.grid.step
+        """Change of the outputs (count + 1, outputs) under a nudge that lasts some intervals."""
+        system, master = self.system, self.stepper.master
         coupled, place = self.held[name]
         at, resting = float(coupled.buffer[place]), self.resting
-        moment, memory = system.save(), self.master.remember()
+        moment, memory = system.save(), master.remember()
         found = np.zeros((count + 1, len(self.shown)))
         for k in range(count + 1):
             if k in (0, lasting):
@@ -273,11 +312,20 @@ class _Probe:
                 system.follow()
             found[k] = system.values[self.shown] - resting
             if k < count:
-                self.master.advance(self.time + k * size, size)
+                self._advance(k)
         system.restore(moment)
-        self.master.recall(memory)
+        master.recall(memory)
         system.forget(moment)
         return found
+
+    def _advance(self, k: int) -> None:
+        """One sampling interval, the k-th: a step as it is, or steps that end at events."""
+        size = self.system.plan.grid.step
+        if self.every == 1:
+            self.stepper.master.advance(self.time + k * size, size)
+            return
+        for n in range(k * self.every, (k + 1) * self.every):
+            self.stepper.to(self.time + n * size, self.time + (n + 1) * size, size)
 
 
 def _left_out(
@@ -290,7 +338,8 @@ def _left_out(
     for row, k in enumerate(probe.shown):
         name, moved = probe.system.names[k], float((odd[row] * sizes).max(initial=0.0))
         bent = float((even[row] * sizes).max(initial=0.0))
-        if max(moved, bent) <= UNMOVED * NUDGE * max(abs(float(resting[row])), NUDGE):
+        floor = UNMOVED * probe.nudge
+        if max(moved, bent) <= floor * max(abs(float(resting[row])), probe.nudge):
             found[name] = "is not moved by any input"
         elif bent > UNEVEN * moved:
             found[name] = "is not smooth: it answers nudges up and down alike"

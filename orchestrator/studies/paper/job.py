@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import InputError
 from ...scenario.plan import Plan, fmu_path
 from ..workers.task import RunFailed, answered
 
@@ -31,6 +32,10 @@ class Job:
     `keep` are patterns of the recorded variables whose series come back; `cycles` 0 looks at the
     whole run. `per_cycle` is the number of steps in a cycle, `step` [s] takes
     its place in a scenario without cycles; None where the scenario's own is meant.
+
+    With `inputs` nothing is run to an end: the scenario is linearised, seen once a cycle, from
+    these held inputs to the variables that `keep` names. The rows of the answer are then `a`, `b`,
+    `c`, `d`, row by row, and `rest`, the outputs about which it holds.
     """
 
     scenario: str
@@ -42,6 +47,7 @@ class Job:
     per_cycle: int | None = None
     step: float | None = None
     cycles: int = 3
+    inputs: tuple[str, ...] = ()
 
     def halved(self) -> Job | None:
         """The same at half the communication step; None where the scenario has to say it."""
@@ -101,7 +107,7 @@ def identity(job: Job, library: Path) -> str:
     }
     known = [
         *(FORM, release(), scenario.model_dump_json(by_alias=True), files),
-        *(job.keep, job.cycles),
+        *(job.keep, job.cycles, job.inputs),
     ]
     return hashlib.sha256(json.dumps(known, sort_keys=True).encode()).hexdigest()[:32]
 
@@ -115,6 +121,8 @@ def carry_out(task: tuple[Job, str, str]) -> dict[str, Any]:
     job, library, _ = task
 
     def work() -> dict[str, Any]:
+        if job.inputs:
+            return _linearised(job, plan_of(job, Path(library)))
         outcome = run(plan_of(job, Path(library)), estimate=False)
         if outcome.failure is not None:
             raise RunFailed(str(outcome.failure))
@@ -167,6 +175,20 @@ def _looked_at(job: Job, outcome: Any) -> dict[str, Any]:
         "rows": {name: _short(outcome.series(name)[first:]) for name in names},
         "steps": outcome.steps,
     }
+
+
+def _linearised(job: Job, plan: Plan) -> dict[str, Any]:
+    """The averaged model of a driven scenario: it is sampled once a cycle."""
+    from ...simulation.linear.state_space import AVERAGED, MARKOV, linearise
+
+    if plan.frequency is None:
+        raise InputError(f"{plan.path}: is not linearised once a cycle: it has no frequency")
+    found = linearise(
+        plan, job.inputs, job.keep, count=MARKOV, interval=1.0 / plan.frequency, nudge=AVERAGED
+    )
+    named = {"a": found.a, "b": found.b, "c": found.c, "d": found.d, "rest": found.rest}
+    rows = {name: [float(v) for v in values.ravel()] for name, values in named.items()}
+    return {"metrics": {}, "times": [], "rows": rows, "steps": 0}
 
 
 def _short(values: NDArray[np.float64]) -> list[float]:

@@ -8,6 +8,7 @@ from time import perf_counter
 
 from ...errors import InputError, nearest, printable
 from .animation import flight
+from .beyond.controller import controller
 from .beyond.electrode import electrode
 from .beyond.hovering import hovering
 from .beyond.membrane import membrane
@@ -45,6 +46,7 @@ BEYOND: dict[str, Callable[[CachedRuns], Comparison]] = {
     "superharmonic": superharmonic,
     "electrode": electrode,
     "hovering": hovering,
+    "controller": controller,
 }
 """What it does not."""
 

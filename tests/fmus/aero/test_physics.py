@@ -51,3 +51,12 @@ def test_stroke_and_frequency_are_seen() -> None:
     seen = physics.observe(P, x, u, 300 * h)
     assert seen.stroke == pytest.approx(1.0, rel=1e-3)
     assert seen.frequency == pytest.approx(18.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_what_is_left_of_the_membrane_carries_its_share(share: float) -> None:
+    p = physics.Params(membrane_share=share)
+    for law in (physics.drag_law, physics.inertia_law):
+        whole, left = law(P, 40.0), law(p, 40.0)
+        assert left == pytest.approx((share * whole[0], share * whole[1]), rel=1e-12)
+    assert physics.lift(p, 40.0) == pytest.approx(share * physics.lift(P, 40.0), rel=1e-12)

@@ -76,3 +76,18 @@ def test_the_substep_count_is_bounded() -> None:
     u = physics.Input(force_stiffness=1e22)
     with pytest.raises(ValueError, match="too stiff"):
         physics.advance(p, physics.initial(p, u, 0.0), u, 0.0, 1e-2)
+
+
+def test_what_leaves_in_flight_takes_its_energy_with_it() -> None:
+    """The motion goes on as it was; the counters of work and loss know nothing of the part lost."""
+    before = physics.Params(wing_inertia=8e-8, coulomb_friction=0.0, joint_friction=0.0)
+    after = physics.Params(wing_inertia=3e-8, coulomb_friction=0.0, joint_friction=0.0)
+    u = physics.Input(force_value=0.05)
+    x = physics.advance(before, physics.initial(before, u, 0.0), u, 0.0, 5e-3)
+    rate = x.slope * x.velocity
+    kept = physics.observe(after, x, u, 5e-3).kinetic_energy
+    had = physics.observe(before, x, u, 5e-3).kinetic_energy
+    assert had - kept == pytest.approx(0.5 * 5e-8 * rate * rate, rel=1e-9)
+    y = physics.advance(after, x, u, 5e-3, 2e-3)
+    gained = energy(after, y) - kept
+    assert y.force_work - x.force_work == pytest.approx(gained, rel=1e-4)

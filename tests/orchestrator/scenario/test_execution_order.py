@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.scenario.execution_order import reachable
+from orchestrator.scenario.execution_order import deciders, reachable
 from orchestrator.simulation.load import load
 from tests.foreign.build import foreign
 
@@ -49,6 +49,14 @@ def test_sources_first_loops_as_listed(
 def test_a_given_order_is_kept(tmp_path: Path, library: Path) -> None:
     path = scenario(tmp_path, "cba", "ab bc", "a")
     assert load(path, None, library, master={"order": ["b", "c", "a"]}).order == ["b", "c", "a"]
+
+
+def test_what_jumps_at_announced_times_only_is_stepped_last(library: Path) -> None:
+    """The controller's commands: the step before an edge is taken with the level before it."""
+    plan = load("flapping-controlled", None, library)
+    assert deciders(plan.connections, plan.interfaces) == {"controller"}
+    listed = load("flapping-controlled", None, library, master={"order": []})
+    assert listed.order[-1] == "controller"
 
 
 def test_reachable_along_one_edge_or_more() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -278,3 +279,39 @@ def test_the_commands(library: Path, tmp_path: Path) -> None:
     assert "--drive" in refused.output
     shown = runner.invoke(app, ["inspect", "oscillator-1", *options, "--stability"])
     assert "is stable: spectral radius" in shown.output
+
+
+@pytest.mark.parametrize("every", [2, 7, 20])
+def test_the_interval_changes_no_pole(library: Path, every: int) -> None:
+    """exp(s h): what is seen at every n-th step has the same poles, the slow ones at least."""
+    plan = still(library)
+    wanted = linearise(plan, [COMMAND], SHOWN[:1]).eigenvalues()[0]
+    found = linearise(plan, [COMMAND], SHOWN[:1], count=60, interval=every * plan.grid.step)
+    assert found.step == pytest.approx(every * plan.grid.step)
+    assert abs(found.eigenvalues()[0]) == pytest.approx(abs(wanted), rel=1e-3)
+
+
+def test_an_interval_is_whole_steps(library: Path) -> None:
+    plan = still(library)
+    with pytest.raises(InputError, match=r"is 2\.5 communication steps"):
+        linearise(plan, [COMMAND], SHOWN[:1], interval=2.5 * plan.grid.step)
+
+
+def test_a_driven_system_seen_once_a_cycle(native: Path, tmp_path: Path) -> None:
+    """Stroke and lag of the vehicle: the first forgets two thirds of a change in a cycle."""
+    done = runner.invoke(
+        app,
+        [
+            "linearise", "flapping-controlled", "--json", "--interval", "1 cycle",
+            "--step", "200 per cycle", "--fmus", str(native),
+            "--input", "controller.excitation.drive", "--output", "controller.stroke",
+            *(text for name in ("lag_integral_gain", "stroke_gain", "stroke_integral_gain")
+              for text in ("--set", f"controller.{name}=0")),
+            "--set", "controller.start_frequency=18 Hz", "--set", "controller.start_phase=1",
+            "--set", "controller.start_drive=0.95",
+        ],
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    poles = json.loads(done.output)["poles"]
+    slowest = max(real for real, _ in poles)
+    assert math.exp(slowest / 18.0) == pytest.approx(0.36, abs=0.03)

@@ -1,0 +1,1 @@
+"""Digital controller: drives at resonance and holds a stroke."""
