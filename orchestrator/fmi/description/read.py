@@ -8,12 +8,14 @@ few facts that wiring and running need.
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from ...errors import FmuError, printable
 from ..archive import read_description
+from ..built import digest_of
 from ..safe_xml import guarded
 from . import fmi2, fmi3
 from .attributes import NAMES
@@ -23,11 +25,22 @@ from .variable import Interface
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 FILE_NAME = re.compile(r"""[^\s./\\:*?"<>|][^/\\:*?"<>|]{0,200}""")
+KEPT = 64
+"""Interfaces that are remembered: those of a few scenarios."""
+
 VERSIONS: dict[str, ModuleType] = {"2.0": fmi2, "3.0": fmi3}
 
 
 def read_interface(path: Path) -> Interface:
-    """Interface of an FMU file; `FmuError` with file, line and cause where it cannot be used."""
+    """Interface of an FMU file; `FmuError` with file, line and cause where it cannot be used.
+
+    A file of the same content is read once: a study loads its parts again for every run.
+    """
+    return _read(path, digest_of(path) if path.is_file() else "")
+
+
+@lru_cache(maxsize=KEPT)
+def _read(path: Path, digest: str) -> Interface:
     interface, findings = examined(path)
     if interface is None:
         count = len(findings.errors)

@@ -162,11 +162,16 @@ def calculate(point: Point) -> dict[str, Any]:
     `unfit` in the answer is why the worker could not run this point: it lacks files, or has others
     than those that the sweep was planned with.
     """
-    from ...results.metrics import metrics
     from ...simulation.guarded.kept import keep_between_runs
-    from ...simulation.run import run
 
     keep_between_runs()
+    return calculated(point)
+
+
+def calculated(point: Point) -> dict[str, Any]:
+    """The same in this process, which decides itself what it keeps between runs."""
+    from ...results.metrics import metrics
+    from ...simulation.run import run
 
     def work() -> dict[str, Any]:
         plan = _plan(point.setting, dict(zip(point.names, point.values, strict=True)))

@@ -16,17 +16,21 @@ from ...errors import InputError, OutputError, SimulationError, nearest, printab
 from ...scenario.files import scenario_names, scenario_path
 from ...scenario.library import LIBRARY
 from ...simulation.interrupt import Interrupt, Interrupted
+from ..workers.in_process import InProcess
 from ..workers.pool import Answer, Failed, WorkerPool
 from .axes import Axis, check_axes, parse_axis
 from .checkpoint import Checkpoint, record_of
 from .metric_units import shown_units
 from .peak import FINEST, Peak, middles, peak_of, spacing, uncertainty_of
-from .points import Grid, Point, Record, Setting, calculate, planned, point_at
+from .points import Grid, Point, Record, Setting, calculate, calculated, planned, point_at
 
 if TYPE_CHECKING:
     import xarray
 
 __all__ = ["Axis", "parse_axis", "sweep"]
+
+BRIEF = 300_000
+"""Communication steps of all points together up to which no worker is started: some seconds."""
 
 Check = Callable[[], None]
 
@@ -56,10 +60,11 @@ def sweep(
     An axis may be a text, as :func:`~orchestrator.studies.sweep.axes.parse_axis` reads it.
     `changes` and `options` hold for all points, as for :func:`orchestrator.simulation.load.load`.
     Points run on `workers` processes here, as many as processors by default, or on those of a
-    dask `scheduler`. A run that stops, ends its worker twice or takes longer than `patience`
-    seconds is `failed`, with its reason; no other point fails with it. With `refine`, the name of a
-    metric, the gaps beside its largest value on the one axis are bisected down to 1/8 of the
-    grid's, or until the top of the parabola through the peak changes by less than 1e-3.
+    dask `scheduler`; a few short ones of compiled parts run in this process where neither is given.
+    A run that stops, ends its worker twice or takes longer than `patience` seconds is `failed`,
+    with its reason; no other point fails with it. With `refine`, the name of a metric, the gaps
+    beside its largest value on the one axis are bisected down to 1/8 of the grid's, or until the
+    top of the parabola through the peak changes by less than 1e-3.
 
     The result is written to `target`. A sweep that is interrupted, or loses its scheduler, leaves
     `TARGET.partial.nc` with `missing` points, and goes on from `TARGET.points` the next time:
@@ -88,13 +93,29 @@ def sweep(
     prepare(target)
     with (
         Checkpoint(target) as folder,
-        WorkerPool(calculate, workers, scheduler, patience) as pool,
+        _pool(grid, workers, scheduler, patience) as pool,
         _bar(bool(progress)) as show,
     ):
         if not overwrite:
             keep_other(target, described(grid, refine))
         study = _Study(grid, folder, pool, refine, check, show)
         return study.carried_out(target, keep)
+
+
+def _pool(
+    grid: Grid, workers: int | None, scheduler: str | None, patience: float | None
+) -> WorkerPool[Point] | InProcess[Point]:
+    """Workers, or this process where it is done with all points before they would have started.
+
+    Compiled parts of this project, whose steps are known, take some microseconds for each.
+    """
+    plan = grid.plan
+    compiled = all(known.ours and not known.needs_tool for known in plan.interfaces.values())
+    short = len(grid.points) * plan.grid.count <= BRIEF and plan.scenario.time.tolerance is None
+    asked = workers is not None or scheduler is not None or patience is not None
+    if compiled and short and not asked:
+        return InProcess(calculated)
+    return WorkerPool(calculate, workers, scheduler, patience)
 
 
 class _Study:
@@ -104,7 +125,7 @@ class _Study:
         self,
         grid: Grid,
         folder: Checkpoint,
-        pool: WorkerPool[Point],
+        pool: WorkerPool[Point] | InProcess[Point],
         refine: str | None,
         check: Check,
         show: Callable[[int, int], None],

@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import Any
 
 from ...errors import InputError, SimulationError, printable
+from ...simulation.interrupt import Interrupted
 
 LONGEST = 900
 """Characters of a reason in an answer, at most."""
@@ -35,6 +36,8 @@ def answered(work: Callable[[], Mapping[str, Any]], empty: Mapping[str, Any]) ->
         return {"status": "done", "reason": "", **found, "wall_time": perf_counter() - begun}
     except InputError as error:
         return {"unfit": str(error)}
+    except Interrupted:
+        raise
     except (RunFailed, SimulationError) as error:
         reason, steps = str(error), getattr(error, "steps", 0)
     except Exception as error:
