@@ -36,7 +36,11 @@ def read_interface(path: Path) -> Interface:
 
     A file of the same content is read once: a study loads its parts again for every run.
     """
-    return _read(path, digest_of(path) if path.is_file() else "")
+    try:
+        digest = digest_of(path)
+    except (FmuError, ValueError):
+        digest = ""  # what is wrong with the file is said where it is read
+    return _read(path, digest)
 
 
 @lru_cache(maxsize=KEPT)
