@@ -40,7 +40,8 @@ class Datum(Named):
     A datum that is `held_out` is not fitted but predicted. `set`, `stop` and `step` change the
     scenario; the paper's number is `share` times the metric, one half for an amplitude of a travel.
     `within` is how well it is known, relative: it counts by the inverse. One without a
-    `value` has not been measured.
+    `value` has not been measured. `uncertainty` is the standard deviation of the measured value, in
+    its unit or in %: from those of the fitted data follows the band of each predicted one.
     """
 
     where: Text
@@ -55,6 +56,7 @@ class Datum(Named):
     step: Quantity | None = None
     share: Annotated[float, Field(gt=0.0)] = 1.0
     within: Annotated[float, Field(gt=0.0)] = 1.0
+    uncertainty: Quantity | None = None
     held_out: bool = False
 
     @model_validator(mode="after")

@@ -43,6 +43,7 @@ class Model:
         self.low = [self._si(parameter, parameter.low) for parameter in fit.parameters]
         self.high = [self._si(parameter, parameter.high) for parameter in fit.parameters]
         self.paper = [self._paper(datum) for datum in fit.data]
+        self.uncertainty = [self._uncertainty(datum) for datum in fit.data]
 
     def values(self, parameters: Sequence[float], share: float | None = None) -> list[float]:
         """Each datum as the scenarios have it; `SimulationError` where a run stops.
@@ -93,6 +94,18 @@ class Model:
         """The paper's value [SI]; NaN where it has none."""
         unit = _unit(self._plans[datum.scenario], datum)
         return math.nan if datum.value is None else si_value(datum.value, unit)
+
+    def _uncertainty(self, datum: Datum) -> float:
+        """Relative standard deviation of the paper's value; NaN where none is stated."""
+        if datum.uncertainty is None or datum.value is None:
+            return math.nan
+        try:
+            if str(datum.uncertainty).endswith("%"):
+                return si_value(datum.uncertainty, "1")
+            unit = _unit(self._plans[datum.scenario], datum)
+            return abs(si_value(datum.uncertainty, unit) / si_value(datum.value, unit))
+        except UnitError as error:
+            raise InputError(f"{datum.name}: uncertainty: {error}") from None
 
     def _peak(self, datum: Datum, parameters: Sequence[float], share: float | None) -> Peak:
         """The metric as the scenario stands, or its peak over a range, bisected beside it."""

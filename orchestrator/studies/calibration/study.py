@@ -28,7 +28,8 @@ class Calibration:
 
     `shipped` and `fitted` are the parameters before and after (SI), `paper`, `before` and
     `after` the data; `sensitivity` is d ln datum / d ln parameter at the fitted values
-    (data, parameters), held-out data included. `runs` counts runs of scenarios.
+    (data, parameters), held-out data included. `uncertainty` is the relative standard deviation
+    of each datum of the paper, NaN where none is stated. `runs` counts runs of scenarios.
     """
 
     fit: Fit
@@ -38,6 +39,7 @@ class Calibration:
     before: Values
     after: Values
     sensitivity: Values
+    uncertainty: Values
     runs: int
     wall_time: float
     message: str
@@ -62,10 +64,24 @@ class Calibration:
 
         The fit weighs a datum by how well it is known: dp = (W S)^+ W dy, with W = 1/within.
         """
+        return np.asarray(1e-4 * self.gain @ self.gain.T)
+
+    @property
+    def gain(self) -> Values:
+        """d ln parameter / d ln datum of the fitted data (parameters, fitted data)."""
         used = [not datum.held_out for datum in self.fit.data]
         weights = np.array([1.0 / datum.within for datum in self.fit.data])[used]
-        gain = np.linalg.pinv(weights[:, None] * self.sensitivity[used]) * weights
-        return np.asarray(1e-4 * gain @ gain.T)
+        return np.asarray(np.linalg.pinv(weights[:, None] * self.sensitivity[used]) * weights)
+
+    @property
+    def band(self) -> Values:
+        """Relative standard deviation of each datum by those of the fitted ones; NaN without.
+
+        d ln y = S G d ln(fitted data), to first order; the fitted data are independent.
+        """
+        used = [not datum.held_out for datum in self.fit.data]
+        spread = self.sensitivity @ self.gain * self.uncertainty[used]
+        return np.asarray(np.sqrt(np.sum(spread**2, axis=1)))
 
     @property
     def spread(self) -> Values:
@@ -140,6 +156,7 @@ def calibrate(
         before=before,
         after=after,
         sensitivity=np.array(columns).T,
+        uncertainty=np.array(model.uncertainty),
         runs=model.runs,
         wall_time=perf_counter() - begun,
         message=message,

@@ -37,7 +37,7 @@ def data(found: Calibration) -> Table:
 
     made = Table("datum", "of", "paper", "ours (SI)", "error", "")
     for k, datum in enumerate(found.fit.data):
-        role = "predicted" if datum.held_out else "fitted"
+        role = _role(found, k) if datum.held_out else "fitted"
         stated, error = f"{datum.value}", f"{found.errors[k]:+.2%}"
         if datum.value is None:
             stated, error = "-", "-"
@@ -50,6 +50,18 @@ def data(found: Calibration) -> Table:
             role,
         )
     return made
+
+
+def _role(found: Calibration, k: int) -> str:
+    """A predicted datum, its band by what the fitted ones are uncertain, and what that tells."""
+    band = float(found.band[k])
+    if not math.isfinite(band):
+        return "predicted"
+    text = f"predicted +- {band:.1%}"
+    if not math.isfinite(found.errors[k]):
+        return text
+    held = abs(found.errors[k]) <= band
+    return f"{text}, {'which holds' if held else 'which does not hold'} the paper's"
 
 
 def points(fit: Fit, found: Sequence[Point]) -> Table:
@@ -101,6 +113,7 @@ def facts(found: Calibration) -> dict[str, Any]:
                 "ours": found.after[k],
                 "error": _number(found.errors[k]),
                 "held_out": d.held_out,
+                "band": _number(found.band[k]) if d.held_out else None,
                 "sensitivity": {
                     p.name: float(s)
                     for p, s in zip(fit.parameters, found.sensitivity[k], strict=True)

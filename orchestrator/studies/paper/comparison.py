@@ -51,6 +51,12 @@ class Row:
             return math.nan
         return self.ours / (stated.value * stated.scale) - 1.0
 
+    @property
+    def held(self) -> bool | None:
+        """Whether the band of a predicted value holds the paper's; None without a band."""
+        band = self.mark.band
+        return None if band is None else abs(self.error) <= band
+
     def facts(self) -> dict[str, Any]:
         """The row for scripts, in the paper's unit."""
         stated, ours = self.number, self.ours
@@ -69,6 +75,8 @@ class Row:
             "agrees": self.agrees,
             "mark": self.mark.kind,
             "basis": self.mark.basis,
+            "band": self.mark.band,
+            "band_holds": self.held,
             "numerical_error": float(self.doubt) / scale,
             "scenario": self.scenario,
             "wall_time": float(self.wall_time),

@@ -197,8 +197,18 @@ def _values(row: Row) -> list[Cell]:
     if row.agrees is not None:
         tone: Tone = "green" if row.agrees else "red"
         return [first, second, Cell(error, 0.0 if row.agrees else 1.0, tone)]
-    third = quantity(abs(row.error), error) if math.isfinite(row.error) else Cell("")
+    third = Cell("")
+    if math.isfinite(row.error):
+        third = quantity(abs(row.error), error, note=_band(row))
     return [first, second, third]
+
+
+def _band(row: Row) -> str:
+    """The band of a predicted value, and whether it holds the paper's."""
+    if row.held is None:
+        return ""
+    holds = "holds" if row.held else "does not hold"
+    return f"band +- {100.0 * (row.mark.band or 0.0):.1f}\N{NO-BREAK SPACE}%: {holds} the paper's"
 
 
 def _doubt(row: Row) -> Cell:

@@ -36,10 +36,15 @@ class Number:
 
 @dataclass(frozen=True)
 class Mark:
-    """What our number rests on: `calibrated` ones are no predictions, whatever their error."""
+    """What our number rests on: `calibrated` ones are no predictions, whatever their error.
+
+    `band` is the relative standard deviation of a predicted one that follows from those of the data
+    that were fitted (`resilin calibrate`); None where none was worked out.
+    """
 
     kind: MarkKind
     basis: str
+    band: float | None = None
 
 
 def number(key: str) -> Number:
@@ -64,7 +69,7 @@ def mark(key: str, model: str = "") -> Mark:
     stem = name.rpartition("_")[0]
     wanted = [f"{name}_{model}", f"{stem}_{model}"] if model else []
     found = next(known[each] for each in (*wanted, name, stem) if each in known)
-    return Mark(found["mark"], str(found["basis"]))
+    return Mark(found["mark"], str(found["basis"]), found.get("band"))
 
 
 def given(name: str) -> Any:

@@ -14,6 +14,7 @@ from orchestrator.errors import InputError, ScenarioError, SimulationError
 from orchestrator.studies.calibration import calibrate, load_fits, profile, shipped
 from orchestrator.studies.calibration.predictions import Model
 from orchestrator.studies.calibration.table import data, facts, parameters, point_facts
+from orchestrator.studies.paper.published_values import mark
 
 runner = CliRunner()
 
@@ -189,6 +190,42 @@ def test_a_datum_that_no_one_measured_has_no_error(native: Path, tmp_path: Path)
     told = facts(found)["data"]["phase"]
     assert (told["paper"], told["error"]) == (None, None)
     assert told["ours"] > 0.0
+
+
+def test_a_predicted_datum_has_a_band(native: Path, tmp_path: Path) -> None:
+    """Travel and its own half: what the first is uncertain, relative, the second is too."""
+    half = FIT.replace('metric = "phase"', 'metric = "travel"').replace('"0.06 rad"', '"4 mm"')
+    text = half.replace('value = "2 mm"', 'value = "2 mm"\nuncertainty = "0.1 mm"')
+    found = calibrate(load_fits(written(tmp_path, text))[0], native, refit=False)
+    assert found.band[1] == pytest.approx(0.05, rel=1e-2)
+    assert facts(found)["data"]["phase"]["band"] == pytest.approx(0.05, rel=1e-2)
+    share = text.replace('"0.1 mm"', '"3 %"')
+    found = calibrate(load_fits(written(tmp_path, share))[0], native, refit=False)
+    assert found.band[1] == pytest.approx(0.03, rel=1e-2)
+    with pytest.raises(InputError, match="travel: uncertainty"):
+        calibrate(load_fits(written(tmp_path, text.replace("0.1 mm", "1 kg")))[0], native)
+
+
+@pytest.mark.slow
+def test_the_band_of_figure_11_is_that_of_sampled_vehicles(native: Path) -> None:
+    """Fifty vehicles, each for other data: their sixth number spreads as linear propagation says.
+
+    The page's band is that of the calibration. The spread of fifty is known to a tenth; 1 Hz of
+    18 is beyond what is linear, hence a third.
+    """
+    (fit,) = load_fits(shipped(), ["vehicle"])
+    found = calibrate(fit, native, refit=False)
+    at = next(k for k, d in enumerate(fit.data) if d.name == "peak with full wings, stroke")
+    assert mark("figure11.full_wings_stroke").band == pytest.approx(found.band[at], rel=0.05)
+    used = [not d.held_out for d in fit.data]
+    only = fit.model_copy(update={"data": [fit.data[at]]})
+    draws = np.random.default_rng(7).normal(size=(50, sum(used))) * found.uncertainty[used]
+    model = Model(fit.model_copy(update={"data": [*fit.data[:5], *only.data]}), native)
+    logs = [
+        np.log(model.values((found.fitted * np.exp(found.gain @ draw)).tolist())[5])
+        for draw in draws
+    ]
+    assert np.std(logs) == pytest.approx(found.band[at], rel=0.33)
 
 
 @pytest.mark.slow
