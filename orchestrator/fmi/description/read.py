@@ -37,8 +37,8 @@ def read_interface(path: Path) -> Interface:
     A file of the same content is read once: a study loads its parts again for every run.
     """
     try:
-        digest = digest_of(path)
-    except (FmuError, ValueError):
+        digest = digest_of(path) if path.is_file() else ""
+    except (FmuError, OSError, ValueError):
         digest = ""  # what is wrong with the file is said where it is read
     return _read(path, digest)
 
