@@ -23,7 +23,9 @@ def flown(scenario: str, library: Path, **options: object) -> Strokes:
     return cycles_of(Answer("done", times=np.asarray(outcome.times), rows=rows), 18.0)
 
 
-@pytest.mark.parametrize("master", ["gauss-seidel", "extrapolated", "iterative"])
+@pytest.mark.parametrize(
+    "master", ["gauss-seidel", "extrapolated", pytest.param("iterative", marks=pytest.mark.slow)]
+)
 def test_from_rest_to_the_commanded_stroke(native: Path, master: str) -> None:
     stop = {"stop": "40 cycles"}
     found = flown("flapping-controlled", native, master={"kind": master}, time=stop)

@@ -297,6 +297,7 @@ def test_an_interval_is_whole_steps(library: Path) -> None:
         linearise(plan, [COMMAND], SHOWN[:1], interval=2.5 * plan.grid.step)
 
 
+@pytest.mark.slow
 def test_a_driven_system_seen_once_a_cycle(native: Path, tmp_path: Path) -> None:
     """Stroke and lag of the vehicle: the first forgets two thirds of a change in a cycle."""
     done = runner.invoke(
