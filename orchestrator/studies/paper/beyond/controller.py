@@ -89,20 +89,21 @@ def controller(cached_runs: CachedRuns) -> Comparison:
         for name in ("lag", "stroke")
     ]  # fmt: skip
     system = plant(averaged, 1.0 / (plans[START].frequency or 1.0))
-    actions = plans[EXCITED].actions
-    excited = {next(iter(a.values)).rpartition(".")[2]: a for a in actions}
+    excited = {
+        name.rpartition(".")[2]: (action.time, float(value))
+        for action in plans[EXCITED].actions
+        for name, value in action.values.items()
+    }
     margins = {
         name: (
             predicted(loop(system, gains, which)),
-            _measured(found[EXCITED], name, excited[name].time,
-                      float(next(iter(excited[name].values.values())))),
+            _measured(found[EXCITED], name, *excited[name]),
         )
         for which, name in enumerate(("frequency", "drive"))
     }  # fmt: skip
     loss = next(action.time for action in plans[LOSS].actions)
-    drive = excited["drive"]
-    beside = _beside(found[EXCITED], system, gains, drive.time, excited["frequency"].time,
-                     float(next(iter(drive.values.values()))))  # fmt: skip
+    since, size = excited["drive"]
+    beside = _beside(found[EXCITED], system, gains, since, excited["frequency"][0], size)
     return Comparison(
         key="controller",
         title=TITLE,
@@ -115,13 +116,10 @@ def controller(cached_runs: CachedRuns) -> Comparison:
 
 
 def cycles_of(answer: Answer, frequency: float) -> Strokes:
-    """Stroke and frequency of each cycle of the drive, or of each 1/`frequency` [s] without one.
-
-    A cycle of the controller ends where the stroke that it has sensed changes.
-    """
+    """Stroke and frequency of each cycle of the drive, or of each 1/`frequency` [s] without one."""
     angle = answer.series("linkage.flap_angle")
     try:
-        ends = np.flatnonzero(np.diff(answer.series("controller.stroke")) != 0.0) + 1
+        ends = _ends(answer)
         rates = answer.series("controller.frequency")
     except KeyError:
         count = math.floor(float(answer.times[-1]) * frequency + 1e-6)
@@ -131,6 +129,11 @@ def cycles_of(answer: Answer, frequency: float) -> Strokes:
     sizes = [float(np.ptp(angle[a : b + 1])) for a, b in zip(starts, ends, strict=True)]
     before = np.maximum(ends - 1, 0)
     return Strokes(answer.times[ends], np.asarray(sizes), rates[before])
+
+
+def _ends(answer: Answer) -> NDArray[np.intp]:
+    """Places of the rows at which the controller's cycles end: its sensed stroke changes there."""
+    return np.flatnonzero(np.diff(answer.series("controller.stroke")) != 0.0) + 1
 
 
 def _model_job(cached_runs: CachedRuns, excited: Answer) -> Job | None:
@@ -153,7 +156,7 @@ def _model_job(cached_runs: CachedRuns, excited: Answer) -> Job | None:
 def _measured(answer: Answer, name: str, since: float, excitation: float) -> Margin:
     """Margin of a loop from its command once a cycle, from the step at `since` [s] on."""
     command = answer.series(f"controller.{name}")
-    ends = np.flatnonzero(np.diff(answer.series("controller.stroke")) != 0.0) + 1
+    ends = _ends(answer)
     times = answer.times[ends]
     inside = (times > since) & (times < since + 2.0)
     before = command[ends[times <= since][-1]]
@@ -281,7 +284,7 @@ def _beside(
     """Answer of the loops to a step of the drive: run beside the linear model."""
     import control
 
-    ends = np.flatnonzero(np.diff(answer.series("controller.stroke")) != 0.0) + 1
+    ends = _ends(answer)
     inside = (answer.times[ends] > since - 0.2) & (answer.times[ends] < min(until, since + 1.2))
     times = answer.times[ends][inside]
     first = int(np.argmax(times > since))
