@@ -5,6 +5,9 @@ SCENARIO ?= $(or $(SCENE),flapping-full-wings)
 
 COFMPY := $(VENV)/cofmpy
 
+# tests and studies start hundreds of processes: each would compile the package again
+export PYTHONDONTWRITEBYTECODE :=
+
 .PHONY: run test lint slow bench docs clean
 
 run: $(VENV)/ready

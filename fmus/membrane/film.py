@@ -3,9 +3,11 @@
 With l1 the meridional and l2 the hoop stretch of an incompressible film, T its thickness
 before any stretch and V the voltage across it, the energy per undeformed volume is
 
-    w = sum_i mu_i/a_i (l1^a_i + l2^a_i + (l1 l2)^-a_i - 3) - eps/2 (V/T)^2 l1^2 l2^2
+    w = sum_i mu_i/a_i (l1^a_i + l2^a_i + (l1 l2)^-a_i - 3) - eps/2 (V/T)^2 g(l1 l2)
+    g(J) = J^2 (1 - k (J - 1))
 
-(Ogden 1972 with the ideal dielectric; the paper's equation 5 is l1 dw/dl1 at V = 0).
+(Ogden 1972; the paper's equation 5 is l1 dw/dl1 at V = 0). With k = 0 the dielectric is ideal; with
+k > 0 its permittivity falls in proportion to the stretch of the area.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Film:
     """Annulus a..b in the flat pre-stretched state [m], layers of thickness T [m] before
-    pre-stretch, Ogden moduli [Pa] and exponents, relative permittivity."""
+    pre-stretch, Ogden moduli [Pa] and exponents, relative permittivity without stretch and its
+    fall k with the area's."""
 
     inner_radius: float
     outer_radius: float
@@ -33,6 +36,7 @@ class Film:
     permittivity: float
     prestretch: float = 1.0
     layers: float = 1.0
+    permittivity_fall: float = 0.0
 
     def __post_init__(self) -> None:
         if not 0.0 < self.inner_radius < self.outer_radius:
@@ -43,6 +47,8 @@ class Film:
             raise ValueError("thickness, permittivity, prestretch and layers are above zero")
         if any(mu * alpha <= 0.0 for mu, alpha in zip(self.moduli, self.exponents, strict=True)):
             raise ValueError("each modulus needs the sign of its exponent")
+        if not 0.0 <= self.permittivity_fall < 1.0:
+            raise ValueError("permittivity_fall is from 0 to below 1")
 
     @property
     def loading(self) -> float:
@@ -57,7 +63,7 @@ class Film:
 
 @dataclass(frozen=True)
 class Density:
-    """w [J/m3] with its derivatives by l1 and l2, and m = l1^2 l2^2 with its."""
+    """w [J/m3] and its first and second derivatives by l1 and l2."""
 
     w: Array
     w1: Array
@@ -67,15 +73,40 @@ class Density:
     w22: Array
 
 
+@dataclass(frozen=True)
+class Dielectric:
+    """g(l1 l2) of the energy's electrical part and its derivatives by l1 and l2."""
+
+    g: Array
+    g1: Array
+    g2: Array
+    g11: Array
+    g12: Array
+    g22: Array
+
+
+def dielectric(film: Film, l1: Array, l2: Array) -> Dielectric:
+    """g(J) = J^2 (1 - k (J - 1)) at J = l1 l2, and its derivatives."""
+    k = film.permittivity_fall
+    area = l1 * l2
+    slope = area * (2.0 * (1.0 + k) - 3.0 * k * area)
+    bend = 2.0 * (1.0 + k) - 6.0 * k * area
+    return Dielectric(
+        g=area * area * (1.0 + k - k * area),
+        g1=slope * l2,
+        g2=slope * l1,
+        g11=bend * l2 * l2,
+        g12=bend * area + slope,
+        g22=bend * l1 * l1,
+    )
+
+
 def density(film: Film, l1: Array, l2: Array, square: float) -> Density:
     """Energy density and its first and second derivatives at V^2 = `square` [V2]."""
-    load = film.loading * square
-    w = -0.5 * load * l1 * l1 * l2 * l2
-    w1 = -load * l1 * l2 * l2
-    w2 = -load * l1 * l1 * l2
-    w11 = -load * l2 * l2
-    w12 = -2.0 * load * l1 * l2
-    w22 = -load * l1 * l1
+    load = -0.5 * film.loading * square
+    d = dielectric(film, l1, l2)
+    w, w1, w2 = load * d.g, load * d.g1, load * d.g2
+    w11, w12, w22 = load * d.g11, load * d.g12, load * d.g22
     for mu, alpha in zip(film.moduli, film.exponents, strict=True):
         p1, p2 = l1**alpha, l2**alpha
         p3 = 1.0 / (p1 * p2)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from .film import Array, Film, density
+from .film import Array, Film, density, dielectric
 
 MODES = 16
 TOLERANCE = 1e-10
@@ -158,7 +158,8 @@ class _Problem:
         lift = -self.scale
         by_h = np.concatenate([shape @ (ry * lift) + slope @ (xy * lift), slope @ (yy * lift)])
         load = -0.5 * film.loading
-        m1, m2 = 2.0 * load * l1 * l2 * l2, 2.0 * load * l1 * l1 * l2
+        field = dielectric(film, l1, l2)
+        m1, m2 = load * field.g1, load * field.g2
         by_e = np.concatenate(
             [
                 shape @ (g * hoop * m2) + slope @ (g * lp * m1 * c),
@@ -168,7 +169,7 @@ class _Problem:
         explicit = np.array(
             [
                 float(by_dz @ lift),
-                float(g @ (load * l1 * l1 * l2 * l2)),
+                float(g @ (load * field.g)),
                 float((yy * lift) @ lift),
                 float((g * lp * m1 * s) @ lift),
             ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ KEYS = (
     "lowest",
     "highest",
 )
+OPTIONAL = ("title", "permittivity_fall")
 SOURCES = ("film.py", "ritz_solver.py", "surrogate.py", "tables.py")
 NODES = (24, 16)
 CELLS_X = 30
@@ -61,6 +63,10 @@ def described(materials: str) -> list[tuple[dict[str, Any], Film]]:
         missing = [key for key in KEYS if key not in data]
         if missing:
             raise ValueError(f"film {name}: {', '.join(missing)} is missing")
+        if strange := sorted(set(data) - {*KEYS, *OPTIONAL}):
+            closest = get_close_matches(strange[0], [*KEYS, *OPTIONAL], n=1)
+            hint = f"; did you mean {closest[0]}?" if closest else ""
+            raise ValueError(f"film {name}: {strange[0]} is not known{hint}")
         film = Film(
             inner_radius=data["inner_radius"],
             outer_radius=data["outer_radius"],
@@ -69,6 +75,7 @@ def described(materials: str) -> list[tuple[dict[str, Any], Film]]:
             exponents=tuple(data["exponents"]),
             permittivity=data["permittivity"],
             prestretch=data["prestretch"],
+            permittivity_fall=data.get("permittivity_fall", 0.0),
         )
         found.append((data, film))
     return found

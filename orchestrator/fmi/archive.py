@@ -17,7 +17,7 @@ from pathlib import Path, PurePosixPath
 from ..errors import FmuError, printable
 
 MOST_BYTES = 512 * 1024 * 1024
-MOST_DESCRIPTION = 64 * 1024 * 1024
+MOST_DESCRIPTION = 32 * 1024 * 1024
 MOST_ENTRIES = 10_000
 MOST_RATIO = 200
 RATIO_COUNTS_FROM = 1024 * 1024

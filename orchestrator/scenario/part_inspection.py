@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import printable
 from ..fmi.archive import read_description
@@ -15,8 +15,13 @@ from .library import LIBRARY, built_part, part_names
 if TYPE_CHECKING:
     from rich.table import Table
 
+Row = TypeVar("Row")
+
 PARAMETERS = ("parameter", "structuralParameter")
 DIRECTIONS = {"input": "in", "output": "out"}
+MOST_ROWS = 500
+"""Rows of a table; `--json` gives what is more."""
+
 MOST_NAMED = 2
 """Members of a port that a table names; the others are counted."""
 
@@ -85,7 +90,7 @@ def _parameters(part: Interface) -> Table:
 
     table = Table("parameter", "start", "range", "meaning", title="parameters")
     table.columns[1].justify = "right"
-    for v in part.of(*PARAMETERS):
+    for v in _cut(table, part.of(*PARAMETERS)):
         start = start_of(v)
         number = f"{start:.6g}" if isinstance(start, float) else printable(str(start or ""))
         unit = "" if v.unit in {"", "1"} else f" {printable(v.unit)}"
@@ -94,6 +99,13 @@ def _parameters(part: Interface) -> Table:
             printable(v.name), f"{number}{unit}", _range(v), printable(v.description) + tunable
         )
     return table
+
+
+def _cut(table: Table, rows: Sequence[Row]) -> Sequence[Row]:
+    """The first of the rows; the table says how many there are beyond them."""
+    if len(rows) > MOST_ROWS:
+        table.caption = f"and {len(rows) - MOST_ROWS} more: --json gives all"
+    return rows[:MOST_ROWS]
 
 
 def _range(variable: Variable) -> str:
@@ -114,7 +126,7 @@ def _ports(part: Interface) -> Table:
     from rich.table import Table
 
     table = Table("port or variable", "", "members", "meaning of the first", title="ports")
-    for port, direction, members in _by_port(part):
+    for port, direction, members in _cut(table, list(_by_port(part))):
         first = members[0]
         unit = "" if first.unit in {"", "1"} else f" [{printable(first.unit)}]"
         names = ", ".join(printable(v.member) for v in members[:MOST_NAMED])

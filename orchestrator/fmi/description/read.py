@@ -28,6 +28,9 @@ FILE_NAME = re.compile(r"""[^\s./\\:*?"<>|][^/\\:*?"<>|]{0,200}""")
 KEPT = 64
 """Interfaces that are remembered: those of a few scenarios."""
 
+MOST_NODES = 400_000
+"""Elements of a description: what is made of more of them takes a gigabyte and half a minute."""
+
 VERSIONS: dict[str, ModuleType] = {"2.0": fmi2, "3.0": fmi3}
 
 
@@ -60,6 +63,11 @@ def examined(path: Path) -> tuple[Interface | None, Findings]:
     """
     text = read_description(path)
     root = guarded(f"{path}: modelDescription.xml", text)
+    count = sum(1 for _ in root.iter())
+    if count > MOST_NODES:
+        raise FmuError(
+            f"{path}: modelDescription.xml has {count} elements; at most {MOST_NODES} are read"
+        )
     version = _version(path, root)
     findings = Findings()
     _check_kind(path, root, findings)

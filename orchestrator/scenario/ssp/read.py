@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import json
@@ -9,6 +10,7 @@ import os
 import re
 import shutil
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -25,6 +27,10 @@ from .names import ANNOTATION, OLD_ANNOTATION, REALS, WHOLE
 
 KEYS = ("time", "master", "record", "metrics", "plot", "actions", "faults")
 """Tables of a scenario that our own annotation carries."""
+UNUSED = 30 * 24 * 3600.0
+"""Seconds after which an unpacked archive that nothing has read is removed."""
+UNFINISHED = 3600.0
+"""Seconds after which an unpacking is one of a run that was killed."""
 STOP = 1.0
 """End of a run where the archive names none [s], as in other FMI tools."""
 
@@ -125,11 +131,16 @@ def _override(flat: Flat, values: list[Value], where: str) -> None:
 
 
 def _unpacked(path: Path) -> Path:
-    """Folder with the archive's content, under the user's cache, made once for each content."""
+    """Folder with the archive's content, under the user's cache, made once for each content.
+
+    Making one removes those that nothing has read for `UNUSED`, and what killed runs have left.
+    """
     digest = hashlib.sha256(path.read_bytes()).hexdigest()[:24]
     root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "resilin" / "ssp"
     folder = root / digest
     if folder.is_dir():
+        with contextlib.suppress(OSError):
+            os.utime(folder)
         return folder
     try:
         root.mkdir(parents=True, exist_ok=True)
@@ -148,7 +159,18 @@ def _unpacked(path: Path) -> Path:
                 raise
     finally:
         shutil.rmtree(waiting, ignore_errors=True)
+    _sweep(root, keep=folder)
     return folder
+
+
+def _sweep(root: Path, keep: Path) -> None:
+    """Remove unpacked archives that were last read long ago, and unpackings that never ended."""
+    now = time.time()
+    for found in root.iterdir():
+        with contextlib.suppress(OSError):
+            age = now - found.stat().st_mtime
+            if found != keep and age > (UNFINISHED if found.name.startswith(".") else UNUSED):
+                shutil.rmtree(found, ignore_errors=True)
 
 
 def _scenario(

@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ...errors import nearest
 from ...recording.settings import Quantity, Text
 from ..named_list import Named, load_list
 
@@ -39,9 +40,10 @@ class Datum(Named):
 
     A datum that is `held_out` is not fitted but predicted. `set`, `stop` and `step` change the
     scenario; the paper's number is `share` times the metric, one half for an amplitude of a travel.
-    `within` is how well it is known, relative: it counts by the inverse. One without a
-    `value` has not been measured. `uncertainty` is the standard deviation of the measured value, in
-    its unit or in %: from those of the fitted data follows the band of each predicted one.
+    With `against` it is the ratio to the datum of that name. `within` is how well it is known,
+    relative: it counts by the inverse. One without a `value` has not been measured. `uncertainty`
+    is the standard deviation of the measured value, in its unit or in %: from those of the fitted
+    data follow the bands. `key` names it among the paper's numbers.
     """
 
     where: Text
@@ -55,6 +57,8 @@ class Datum(Named):
     stop: Quantity | None = None
     step: Quantity | None = None
     share: Annotated[float, Field(gt=0.0)] = 1.0
+    against: Text = ""
+    key: Text = ""
     within: Annotated[float, Field(gt=0.0)] = 1.0
     uncertainty: Quantity | None = None
     held_out: bool = False
@@ -81,9 +85,13 @@ class Profile(Named):
 
 
 class Fit(Named):
-    """Parameters and the data that they are fitted to."""
+    """Parameters and the data that they are fitted to.
+
+    Those of an `experiment` are of a variant that the data's `set` makes: no scenario carries them.
+    """
 
     title: Text = ""
+    experiment: bool = False
     parameters: Annotated[list[Parameter], Field(min_length=1)]
     data: Annotated[list[Datum], Field(min_length=1)]
     profile: Profile | None = None
@@ -93,6 +101,11 @@ class Fit(Named):
         fitted = sum(not datum.held_out for datum in self.data)
         if fitted < len(self.parameters):
             raise ValueError(f"{len(self.parameters)} parameters on {fitted} data: not determined")
+        names = {datum.name: datum for datum in self.data}
+        for datum in self.data:
+            if datum.against and (datum.against not in names or names[datum.against].against):
+                closest = nearest(datum.against, [n for n, d in names.items() if not d.against])
+                raise ValueError(f"{datum.name}: against no datum {datum.against!r}; {closest}")
         return self
 
 

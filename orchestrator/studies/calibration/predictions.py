@@ -15,7 +15,8 @@ from ...scenario.start_values import start_value
 from ...simulation.interrupt import Interrupt
 from ...simulation.load import load
 from ...simulation.run import run
-from ...units import UnitError, si_value
+from ...units import UnitError, in_base, si_value
+from ..sweep.metric_units import shown_units
 from ..sweep.peak import Peak, middles, peak_of
 from .fits import Datum, Fit, Parameter, Profile
 
@@ -64,7 +65,11 @@ class Model:
                 known[key] = self._peak(datum, parameters, share)
             peak = known[key]
             found.append(peak.at if datum.of == "place" else datum.share * peak.value)
-        return found
+        names = [datum.name for datum in self.fit.data]
+        return [
+            value / found[names.index(datum.against)] if datum.against else value
+            for datum, value in zip(self.fit.data, found, strict=True)
+        ]
 
     def carried(self, parameter: Parameter) -> list[float]:
         """The value [SI] that each scenario of a parameter really has, its own times taken out."""
@@ -146,26 +151,16 @@ class Model:
         return found[datum.metric]
 
 
-METRIC_UNITS = {
-    "flapping stroke": "rad",
-    "travel": "m",
-    "frequency": "Hz",
-    "phase": "rad",
-    "peak voltage": "V",
-    "peak current": "A",
-    "electrical power": "W",
-    "mechanical power": "W",
-    "aerodynamic power": "W",
-    "mean lift": "N",
-}
-
-
 def _unit(plan: Plan, datum: Datum) -> str:
-    """Unit of a datum: that of the parameter swept over, or of the metric."""
+    """SI unit of a datum: that of the parameter swept over, of the metric, or none of a ratio."""
+    known = shown_units(plan)
+    if datum.metric not in known:
+        raise InputError(
+            f"{datum.name}: no metric {datum.metric!r}; {nearest(datum.metric, known)}"
+        )
+    if datum.against:
+        return "1"
     if datum.of != "place":
-        if datum.metric not in METRIC_UNITS:
-            hint = nearest(datum.metric, METRIC_UNITS)
-            raise InputError(f"{datum.name}: no metric {datum.metric!r}; {hint}")
-        return METRIC_UNITS[datum.metric]
+        return in_base(known[datum.metric])[0]
     component, _, name = datum.over.partition(".")
     return plan.interfaces[component].variables[name].unit or "1"

@@ -74,13 +74,30 @@ class Calibration:
         return np.asarray(np.linalg.pinv(weights[:, None] * self.sensitivity[used]) * weights)
 
     @property
+    def scatter(self) -> float:
+        """How far the fitted data are missed, in units of `within`; 0 where none is left over.
+
+        s^2 = sum (e_k/w_k)^2/(n - p), with n fitted data and p parameters.
+        """
+        used = [not datum.held_out for datum in self.fit.data]
+        within = np.array([datum.within for datum in self.fit.data])
+        spare = sum(used) - len(self.fit.parameters)
+        if spare == 0:
+            return 0.0
+        return float(np.sqrt(np.sum((self.errors / within)[used] ** 2) / spare))
+
+    @property
     def band(self) -> Values:
         """Relative standard deviation of each datum by those of the fitted ones; NaN without.
 
-        d ln y = S G d ln(fitted data), to first order; the fitted data are independent.
+        d ln y = S G d ln(fitted data), to first order; the fitted data are independent. Where the
+        model misses them by more than they are uncertain, its misses count: each deviates by
+        max(u_k, s w_k) with `scatter` s.
         """
         used = [not datum.held_out for datum in self.fit.data]
-        spread = self.sensitivity @ self.gain * self.uncertainty[used]
+        within = np.array([datum.within for datum in self.fit.data])
+        deviation = np.maximum(self.uncertainty, self.scatter * within)[used]
+        spread = self.sensitivity @ self.gain * deviation
         return np.asarray(np.sqrt(np.sum(spread**2, axis=1)))
 
     @property

@@ -113,7 +113,7 @@ def facts(found: Calibration) -> dict[str, Any]:
                 "ours": found.after[k],
                 "error": _number(found.errors[k]),
                 "held_out": d.held_out,
-                "band": _number(found.band[k]) if d.held_out else None,
+                "band": _number(found.band[k]),
                 "sensitivity": {
                     p.name: float(s)
                     for p, s in zip(fit.parameters, found.sensitivity[k], strict=True)

@@ -53,9 +53,14 @@ class Row:
 
     @property
     def held(self) -> bool | None:
-        """Whether the band of a predicted value holds the paper's; None without a band."""
+        """Whether the band holds the paper's value; None without one, and for what is calibrated.
+
+        The paper's value is one of the data that a calibrated number was fitted to.
+        """
         band = self.mark.band
-        return None if band is None else abs(self.error) <= band
+        if band is None or self.mark.kind == "calibrated" or not math.isfinite(self.error):
+            return None
+        return abs(self.error) <= band
 
     def facts(self) -> dict[str, Any]:
         """The row for scripts, in the paper's unit."""

@@ -44,8 +44,11 @@ def payload_share(cached_runs: CachedRuns, frequency_sweep: FrequencySweep) -> f
     return mass / (mass + film)
 
 
+def stack(layers: int) -> Sweep:
+    """How one of them is swept."""
+    return Sweep(f"power-{layers}", FREQUENCIES, keep=KEPT)
+
+
 def stacks(cached_runs: CachedRuns) -> list[FrequencySweep]:
     """Sweeps of all four, refined about the largest power."""
-    return frequency_sweeps(
-        cached_runs, [Sweep(f"power-{n}", FREQUENCIES, keep=KEPT) for n in LAYERS], power
-    )
+    return frequency_sweeps(cached_runs, [stack(n) for n in LAYERS], power)

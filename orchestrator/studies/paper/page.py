@@ -36,6 +36,12 @@ LEFT_OUT = (
     "Not here: figure 5, the test of material that gave the constants; curves of the experiments,"
     " which are printed as pictures only."
 )
+BANDS = (
+    "The band beneath an error is one standard deviation of ours, by the data that were fitted:"
+    " 1 Hz of a frequency, 1 % of a stroke, 0.1 mm of a displacement, or by how far the fit misses"
+    " them where that is more. It says what the data leave open of the parameters, not what the"
+    " model leaves out."
+)
 DRAWN = "drawn.json"
 """Digests of the figures whose pictures stand beside the page."""
 
@@ -139,6 +145,8 @@ def _all_rows(found: Reproduction) -> Iterator[Part]:
         )
     )
     yield Notes([f"{kind}: {meaning}" for kind, meaning in MEANINGS.items()])
+    if any(row.mark.band is not None for item in found.items for row in item.rows):
+        yield Words((BANDS, _judged([row for item in found.items for row in item.rows])))
     columns = [
         Column("Item"), Column("Quantity"), Column("Paper", number=True),
         Column("Ours", number=True), Column("Error", number=True), Column("Mark"),
@@ -149,6 +157,19 @@ def _all_rows(found: Reproduction) -> Iterator[Part]:
         for row in item.rows
     ]
     yield Table("All numbers; press a heading to sort", columns, rows)
+
+
+def _judged(rows: Sequence[Row]) -> str:
+    """How many numbers that were not fitted have the paper's within their band."""
+    told = []
+    for kind, words in (
+        ("predicted", "predicted numbers"),
+        ("undecidable", "undecidable readings"),
+    ):
+        judged = [row.held for row in rows if row.mark.kind == kind and row.held is not None]
+        if judged:
+            told.append(f"of {len(judged)} {words} with a band {sum(judged)} hold the paper's")
+    return f"{'; '.join(told)}.".capitalize() if told else ""
 
 
 def _parts(item: Comparison) -> Iterator[Part]:
@@ -204,11 +225,13 @@ def _values(row: Row) -> list[Cell]:
 
 
 def _band(row: Row) -> str:
-    """The band of a predicted value, and whether it holds the paper's."""
-    if row.held is None:
+    """The band of our value, and whether it holds the paper's where that was not fitted."""
+    if row.mark.band is None:
         return ""
-    holds = "holds" if row.held else "does not hold"
-    return f"band +- {100.0 * (row.mark.band or 0.0):.1f}\N{NO-BREAK SPACE}%: {holds} the paper's"
+    text = f"band +- {100.0 * row.mark.band:.2g}\N{NO-BREAK SPACE}%"
+    if row.held is None:
+        return text
+    return f"{text}: {'holds' if row.held else 'does not hold'} the paper's"
 
 
 def _doubt(row: Row) -> Cell:

@@ -38,8 +38,8 @@ class Number:
 class Mark:
     """What our number rests on: `calibrated` ones are no predictions, whatever their error.
 
-    `band` is the relative standard deviation of a predicted one that follows from those of the data
-    that were fitted (`resilin calibrate`); None where none was worked out.
+    `band` is its relative standard deviation that follows from those of the data that were fitted
+    (`resilin calibrate`); None where none was worked out.
     """
 
     kind: MarkKind
@@ -69,7 +69,16 @@ def mark(key: str, model: str = "") -> Mark:
     stem = name.rpartition("_")[0]
     wanted = [f"{name}_{model}", f"{stem}_{model}"] if model else []
     found = next(known[each] for each in (*wanted, name, stem) if each in known)
-    return Mark(found["mark"], str(found["basis"]), found.get("band"))
+    return Mark(
+        found["mark"], str(found["basis"]), published_band(f"{key}_{model}" if model else key)
+    )
+
+
+def published_band(key: str) -> float | None:
+    """Relative standard deviation of our number under `item.name`, or `item.name_model`."""
+    item, _, name = key.partition(".")
+    found: float | None = _read("bands").get(item, {}).get(name)
+    return found
 
 
 def given(name: str) -> Any:

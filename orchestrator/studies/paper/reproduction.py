@@ -12,6 +12,7 @@ from .beyond.controller import controller
 from .beyond.electrode import electrode
 from .beyond.hovering import hovering
 from .beyond.membrane import membrane
+from .beyond.permittivity import permittivity
 from .beyond.superharmonic import superharmonic
 from .cached_runs import CachedRuns
 from .comparison import Comparison
@@ -46,6 +47,7 @@ BEYOND: dict[str, Callable[[CachedRuns], Comparison]] = {
     "superharmonic": superharmonic,
     "electrode": electrode,
     "hovering": hovering,
+    "permittivity": permittivity,
     "controller": controller,
 }
 """What it does not."""

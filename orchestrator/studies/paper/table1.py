@@ -42,7 +42,7 @@ SPRING = Model("spring", "linear spring", "oscillator-{}")
 def oscillators(cached_runs: CachedRuns) -> dict[Model, list[FrequencySweep]]:
     """Sweeps about each predicted frequency, by the full membrane and by the spring."""
     models = (FILM, SPRING)
-    sweeps = [Sweep(model.scenario.format(k), _about(k)) for model in models for k in DEVICES]
+    sweeps = [Sweep(model.scenario.format(k), about(k)) for model in models for k in DEVICES]
     every = frequency_sweeps(cached_runs, sweeps, amplitude)
     count = len(DEVICES)
     return {model: every[k * count : (k + 1) * count] for k, model in enumerate(models)}
@@ -135,5 +135,6 @@ def _stated(name: str, k: int) -> float:
     return float(number(f"table1.{name}_{k}").value)
 
 
-def _about(k: int) -> list[float]:
+def about(k: int) -> list[float]:
+    """Frequencies [Hz] about the printed one of an oscillator."""
     return [round(share * _stated("predicted", k), 2) for share in SHARES]

@@ -78,6 +78,8 @@ def test_a_film_of_ones_own(tmp_path: Path) -> None:
         ("lowest = 0.4", "lowest = 1.4", "lowest < highest"),
         ("voltage = 600.0", "voltage = 6000.0", "no taut equilibrium"),
         ("thickness = 20e-6", "thickness = 0.0", "above zero"),
+        ("thickness = 20e-6", "thickness = 20e-6\npermittivity_fal = 0.2", "permittivity_fall"),
+        ("thickness = 20e-6", "thickness = 20e-6\npermittivity_fall = 1.2", "below 1"),
         ("[thin]", "[thin", "Expected"),
     ],
 )

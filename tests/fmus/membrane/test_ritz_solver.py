@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fmus.membrane.film import VACUUM_PERMITTIVITY, Film
+from fmus.membrane.film import VACUUM_PERMITTIVITY, Film, dielectric
 from fmus.membrane.ritz_solver import NoEquilibriumError, equilibrium, shape
 from tests.fmus.membrane import collocation
 
@@ -37,10 +39,14 @@ def test_two_discretisations_agree(height: float, voltage: float) -> None:
     assert ritz.energy == pytest.approx(other.energy, rel=1e-8)
 
 
+@pytest.mark.parametrize("fall", [0.0, 0.37])
 @pytest.mark.parametrize("prestretch", [1.0, 1.2, 4.0])
-def test_derivatives_are_those_of_the_potential(prestretch: float) -> None:
+def test_derivatives_are_those_of_the_potential(prestretch: float, fall: float) -> None:
     """F = dPi/dh, C = -2 dPi/dE, and reciprocity dF/dE = -1/2 dC/dh."""
-    film = Film(4e-3, 20e-3, 40e-6, (1.287e5, 2.6e4), (2.0, 4.0), 2.8, prestretch)
+    film = Film(
+        4e-3, 20e-3, 40e-6, (1.287e5, 2.6e4), (2.0, 4.0), 2.8, prestretch,
+        permittivity_fall=fall if prestretch < 2.0 else 0.05 * fall,
+    )  # fmt: skip
     h, square = 15e-3, (1200.0 / prestretch) ** 2
     here = equilibrium(film, h, square**0.5)
     dh, de = 2e-5, 1e-4 * square
@@ -52,6 +58,17 @@ def test_derivatives_are_those_of_the_potential(prestretch: float) -> None:
     assert (more.force - less.force) / (2 * de) == pytest.approx(here.force_by_square, rel=1e-6)
     reciprocal = -0.5 * (high.capacitance - low.capacitance) / (2 * dh)
     assert here.force_by_square == pytest.approx(reciprocal, rel=1e-6)
+
+
+def test_a_falling_permittivity_takes_capacitance_and_stress() -> None:
+    """C of a flat film, stretched in proportion by J: C_0 J^2 (1 - k (J - 1)) at no voltage."""
+    film = replace(SILICONE, permittivity_fall=0.37)
+    stretch = np.array([1.0, 1.2, 1.5])
+    d = dielectric(film, np.sqrt(stretch), np.sqrt(stretch))
+    assert d.g == pytest.approx(stretch**2 * (1.0 - 0.37 * (stretch - 1.0)))
+    constant, falling = (equilibrium(each, 15e-3, 1500.0) for each in (SILICONE, film))
+    assert falling.capacitance < constant.capacitance
+    assert falling.force > constant.force
 
 
 @pytest.mark.parametrize("spacer", [25e-3, 30e-3])

@@ -10,7 +10,7 @@ from typer.testing import CliRunner, Result
 
 from orchestrator.cli import app
 from orchestrator.fmi.description import read_interface
-from orchestrator.scenario.part_inspection import part_facts, parts
+from orchestrator.scenario.part_inspection import part_facts, part_tables, parts
 from tests.foreign.scenarios import Shelf, each_version
 
 
@@ -45,6 +45,15 @@ def test_a_part_is_shown_by_name_and_by_file(command: str, library: Path) -> Non
         assert word in done.output
     file = resilin(command, library / "amplifier.fmu", "--fmus", library)
     assert file.output == done.output
+
+
+def test_a_long_table_is_cut_and_says_so(library: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("orchestrator.scenario.part_inspection.MOST_ROWS", 3)
+    part = parts(library)["amplifier"]
+    tables = part_tables(part)
+    assert [table.row_count for table in tables] == [3, 3]
+    count = len(part_facts(part)["parameters"])
+    assert str(tables[0].caption) == f"and {count - 3} more: --json gives all"
 
 
 @each_version

@@ -122,6 +122,15 @@ def test_100000_variables_are_read(description: str, tmp_path: Path) -> None:
     assert interface.variables["p99999"].start == 1.0
 
 
+def test_what_would_take_a_gigabyte_is_refused_at_once(description: str, tmp_path: Path) -> None:
+    many = '<Unknown index="1"/>' * 400_001
+    text = replaced(description, "</ModelVariables>", f"</ModelVariables>{many}")
+    assert "elements; at most 400000 are read" in refused(tmp_path, text)
+    long = replaced(description, "</ModelVariables>", f"{' ' * 2**25}</ModelVariables>")
+    with pytest.raises(FmuError, match="at most 32 MiB are read"):
+        read_interface(fmu(tmp_path, long))
+
+
 def test_30000_bad_variables_are_refused(description: str, tmp_path: Path) -> None:
     scalar = '<ScalarVariable name="x" valueReference="y"><Real start="z"/></ScalarVariable>'
     scalars = scalar * 30_000

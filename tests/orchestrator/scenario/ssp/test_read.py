@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import time
 import zipfile
 from pathlib import Path
 
@@ -212,6 +214,28 @@ def test_the_archive_is_unpacked_once(library: Path, tmp_path: Path, cache: Path
     load(str(path))
     assert [folder] == list(cache.iterdir())
     assert (folder / "resources" / "payload.fmu").stat().st_mtime_ns == stamp
+
+
+def test_what_nothing_has_read_for_a_month_is_removed(
+    library: Path, tmp_path: Path, cache: Path
+) -> None:
+    """And what killed runs have left; an archive that is read now, or was yesterday, stays."""
+    days = {"old": 31, "recent": 29, ".killed": 1, ".unpacking": 0}
+    for name, age in days.items():
+        (cache / name).mkdir(parents=True)
+        os.utime(cache / name, times=(time.time() - 86400 * age,) * 2)
+    path = packed(
+        tmp_path / "a.ssp", described(ALONE, tail=SPAN),
+        resources_payload__fmu=library / "payload.fmu",
+    )  # fmt: skip
+    load(str(path))
+    left = {folder.name for folder in cache.iterdir()}
+    assert left >= {"recent", ".unpacking"}
+    assert not left & {"old", ".killed"}
+    (own,) = left - {"recent", ".unpacking"}
+    os.utime(cache / own, times=(1e9, 1e9))
+    load(str(path))
+    assert (cache / own).stat().st_mtime > 1.7e9
 
 
 def test_commands_take_archives(

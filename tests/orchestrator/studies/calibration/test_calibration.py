@@ -14,7 +14,7 @@ from orchestrator.errors import InputError, ScenarioError, SimulationError
 from orchestrator.studies.calibration import calibrate, load_fits, profile, shipped
 from orchestrator.studies.calibration.predictions import Model
 from orchestrator.studies.calibration.table import data, facts, parameters, point_facts
-from orchestrator.studies.paper.published_values import mark
+from orchestrator.studies.paper.published_values import published_band
 
 runner = CliRunner()
 
@@ -74,6 +74,8 @@ def test_a_force_comes_back(native: Path, tmp_path: Path) -> None:
 def test_the_scenes_carry_what_was_fitted(native: Path) -> None:
     """One set of parameters, no retuning hidden in a scenario."""
     for fit in load_fits(shipped()):
+        if fit.experiment:
+            continue
         model = Model(fit, native)
         for parameter, value in zip(fit.parameters, model.start, strict=True):
             assert model.carried(parameter) == pytest.approx([value] * len(parameter.scenarios))
@@ -206,26 +208,80 @@ def test_a_predicted_datum_has_a_band(native: Path, tmp_path: Path) -> None:
         calibrate(load_fits(written(tmp_path, text.replace("0.1 mm", "1 kg")))[0], native)
 
 
+def test_a_ratio_is_to_another_datum(native: Path, tmp_path: Path) -> None:
+    """Travel over itself is 1 whatever the force, so nothing of the force's band is left."""
+    half = FIT.replace('metric = "phase"', 'metric = "travel"\nshare = 0.5\nagainst = "travel"')
+    text = half.replace('"0.06 rad"', "2.0").replace('"2 mm"', '"2 mm"\nuncertainty = "0.1 mm"')
+    found = calibrate(load_fits(written(tmp_path, text))[0], native, refit=False)
+    assert found.after[1] == pytest.approx(1.0)
+    assert found.errors[1] == pytest.approx(-0.5)
+    assert found.band[1] == pytest.approx(0.0, abs=1e-9)
+    with pytest.raises(ScenarioError, match="against no datum 'travels'; did you mean 'travel'"):
+        load_fits(written(tmp_path, text.replace('against = "travel"', 'against = "travels"')))
+
+
+def test_what_the_fit_misses_widens_the_band(native: Path, tmp_path: Path) -> None:
+    """Two data of one travel, 10 % apart: the mean of both misses each by 5 %, more than 1 %.
+
+    s w = sqrt(2) 5 %, and the mean of two deviates by that over sqrt(2).
+    """
+    _, _, rest = FIT.partition("[[fits.data]]")
+    datum, _, held_out = rest.partition("[[fits.data]]")
+    data = [
+        datum.replace("travel", name, 1).replace('"2 mm"', f'"{value} mm"\nuncertainty = "1 %"')
+        for name, value in (("low", 1.9), ("high", 2.1))
+    ]
+    data = [each.replace('metric = "low"', 'metric = "travel"') for each in data]
+    head = FIT.partition("[[fits.data]]")[0]
+    text = "[[fits.data]]".join([head, *data, held_out])
+    found = calibrate(load_fits(written(tmp_path, text))[0], native)
+    assert found.scatter == pytest.approx(0.05 * np.sqrt(2.0), rel=0.05)
+    assert found.band[0] == pytest.approx(0.05, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["vehicle", "material"])
+def test_the_published_bands_are_those_of_the_fits(native: Path, name: str) -> None:
+    (fit,) = load_fits(shipped(), [name])
+    found = calibrate(fit, native, refit=False)
+    keyed = [(d.key, float(b)) for d, b in zip(fit.data, found.band, strict=True) if d.key]
+    assert len(keyed) > 5
+    for key, band in keyed:
+        assert published_band(key) == pytest.approx(band, rel=0.06), key
+
+
 @pytest.mark.slow
 def test_the_band_of_figure_11_is_that_of_sampled_vehicles(native: Path) -> None:
-    """Fifty vehicles, each for other data: their sixth number spreads as linear propagation says.
+    """Two hundred vehicles, each for other data: the sixth number spreads by the linear band.
 
-    The page's band is that of the calibration. The spread of fifty is known to a tenth; 1 Hz of
-    18 is beyond what is linear, hence a third.
+    The spread of two hundred is known to a twentieth; 1 Hz of 18 is beyond what is linear.
     """
     (fit,) = load_fits(shipped(), ["vehicle"])
     found = calibrate(fit, native, refit=False)
     at = next(k for k, d in enumerate(fit.data) if d.name == "peak with full wings, stroke")
-    assert mark("figure11.full_wings_stroke").band == pytest.approx(found.band[at], rel=0.05)
     used = [not d.held_out for d in fit.data]
-    only = fit.model_copy(update={"data": [fit.data[at]]})
-    draws = np.random.default_rng(7).normal(size=(50, sum(used))) * found.uncertainty[used]
-    model = Model(fit.model_copy(update={"data": [*fit.data[:5], *only.data]}), native)
+    scenario = fit.data[at].scenario
+    mine = [k for k, p in enumerate(fit.parameters) if scenario in p.scenarios]
+    parameters = [fit.parameters[k].model_copy(update={"scenarios": [scenario]}) for k in mine]
+    alone = fit.model_copy(update={"data": [fit.data[at]], "parameters": parameters})
+    model = Model(alone.model_copy(update={"profile": None}), native)
+    draws = np.random.default_rng(7).normal(size=(200, sum(used))) * found.uncertainty[used]
     logs = [
-        np.log(model.values((found.fitted * np.exp(found.gain @ draw)).tolist())[5])
+        np.log(model.values((found.fitted * np.exp(found.gain @ draw))[mine].tolist())[0])
         for draw in draws
     ]
-    assert np.std(logs) == pytest.approx(found.band[at], rel=0.33)
+    assert np.std(logs) == pytest.approx(found.band[at], rel=0.25)
+
+
+MISSED = {
+    "2 layers, power": -0.13,
+    "4 layers, power": 0.22,
+    "4 layers, power over that of 2": 0.41,
+    "6 layers, power": -0.16,
+    "8 layers, power over that of 2": 0.12,
+    "2 layers, stroke": -0.15,
+}
+"""What the film is off where nothing was fitted, as docs/reference/paper.md says."""
 
 
 @pytest.mark.slow
@@ -235,6 +291,9 @@ def test_the_shipped_fits_hold(native: Path) -> None:
         found = calibrate(fit, native, refit=False)
         for datum, error in zip(fit.data, found.errors, strict=True):
             known = 2.0 * datum.within if datum.within < 1.0 else 0.012
-            if datum.value is None:
+            if datum.value is None or (fit.experiment and datum.held_out):
                 continue
-            assert abs(error) < (0.05 if datum.held_out else known), datum.name
+            if datum.name in MISSED:
+                assert error == pytest.approx(MISSED[datum.name], abs=0.02), datum.name
+            else:
+                assert abs(error) < (0.05 if datum.held_out else known), datum.name
