@@ -3,6 +3,7 @@
     python build_fmus.py                                  every part that has changed, both kinds
     python build_fmus.py linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
     python build_fmus.py --native                         compiled parts only: no Python in them
+    python build_fmus.py ./mine                           a part in a folder of one's own
     python build_fmus.py --recording bench.csv --as bench a measurement as an FMU of its own
 
 Each FMU carries its own copy of the sources it needs as a package named after the FMU and
@@ -21,9 +22,21 @@ import typer
 
 from fmus.export.archive import Built
 from fmus.export.build import NATIVE, OUTPUT, build_part, has_compiler
+from fmus.export.new_part import new_part
+from fmus.export.outside import is_folder
 from fmus.export.sources import BuildError, compilable, load_part, nearest, part_names
 
-__all__ = ["NATIVE", "OUTPUT", "BuildError", "Built", "build", "compilable", "part_names"]
+__all__ = [
+    "NATIVE",
+    "OUTPUT",
+    "BuildError",
+    "Built",
+    "build",
+    "compilable",
+    "load_part",
+    "new_part",
+    "part_names",
+]
 
 
 def build(
@@ -40,6 +53,7 @@ def build(
 ) -> Built:
     """Build one part, or reuse the file that was built here of the same sources.
 
+    `name` is that of a part of the package, or a folder with a part of one's own, as `./mine`.
     `alias` names the FMU, `changes` gives start values as texts with units, `data` takes
     the place of the data file that the part's tables are made from, `recording` that of the
     sample that `replay` plays. The rest is as in :func:`fmus.export.build.build_part`. The file is
@@ -53,7 +67,7 @@ def build(
     if recording is not None:
         starts = recorded_starts(part, recording) | starts
         files = recorded_files(recording)
-    target = (into or (NATIVE if native else OUTPUT)) / f"{alias or name}.fmu"
+    target = (into or (NATIVE if native else OUTPUT)) / f"{alias or part.name}.fmu"
     foreign = target.is_file() and not is_built_here(digest_of(target))
     built = build_part(
         part,
@@ -74,6 +88,32 @@ def build(
             " XDG_STATE_HOME to a folder that is writable"
         ) from None
     return built
+
+
+def checked(name: str, built: Built) -> str:
+    """How far a part of one's own is off its reference answer, in words; "" without one.
+
+    Raises :class:`BuildError` where it is further off than its accuracy; the FMU is removed then.
+    """
+    from orchestrator.errors import ResilinError
+    from orchestrator.fmi.reference_answer import reference_deviation
+
+    part = load_part(name)
+    reference = Path(part.physics.__file__).with_name("reference.csv")
+    if not reference.is_file():
+        return ""
+    try:
+        found = reference_deviation(built.path, reference)
+    except ResilinError as error:
+        built.path.unlink()
+        raise BuildError(str(error)) from None
+    if found.error > part.accuracy:
+        built.path.unlink()
+        raise BuildError(
+            f"{built.path}: {found.variable} = {found.ours:.9g} at t = {found.time:g} s, where"
+            f" {reference} has {found.reference:.9g}"
+        )
+    return f"{built.path}: off its reference answer by {found.error:.0e} at most"
 
 
 def changed_starts(part: Any, changes: dict[str, str]) -> dict[str, float]:
@@ -230,7 +270,10 @@ def _replayed(
 
 
 def build_command(
-    parts: Annotated[list[str] | None, typer.Argument(help="Parts to build; all if none.")] = None,
+    parts: Annotated[
+        list[str] | None,
+        typer.Argument(help="Parts to build, or folders of one's own, as ./mine; all if none."),
+    ] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option("--set", help='Start value, as linkage.stop_travel="1.9 mm".'),
@@ -276,7 +319,8 @@ def build_command(
         if recording is not None:
             parts, record, set_ = _replayed(parts, recording, alias, set_)
         wanted = list(parts or (compilable() if native else part_names()))
-        changes = _assignments(set_ or [], wanted)
+        names = {name: load_part(name).name for name in wanted}
+        changes = _assignments(set_ or [], list(names.values()))
         if alias and len(wanted) != 1:
             raise BuildError("--as names one FMU: give exactly one part")
         if (changes or data) and not alias:
@@ -285,10 +329,11 @@ def build_command(
         done = [
             (
                 kind,
+                name,
                 build(
                     name,
                     alias=alias,
-                    changes=changes.get(name),
+                    changes=changes.get(names[name]),
                     data=data,
                     recording=record,
                     into=into,
@@ -299,18 +344,22 @@ def build_command(
             )
             for kind in kinds
             for name in wanted
-            if kind == "Python" or native or name in compilable()
+            if kind == "Python" or native or not load_part(name).needs
         ]
+        plain = not (changes or data or platform)
+        told = [checked(name, fmu) for _, name, fmu in done if plain and is_folder(name)]
     except (BuildError, OSError) as error:
         for line in str(error).splitlines():
             typer.echo(f"build: {line}", err=True)
         raise typer.Exit(2) from None
     table = Table("part", "kind", "variables", "size", "digest", "")
-    for kind, fmu in done:
+    for kind, _, fmu in done:
         state = "built" if fmu.fresh else "unchanged"
         kilobytes = f"{fmu.size / 1024:.0f} KiB"
         table.add_row(fmu.name, kind, str(fmu.variables), kilobytes, fmu.guid[:8], state)
     Console().print(table)
+    for line in filter(None, told):
+        typer.echo(line)
     if native is None and into is None and len(kinds) == 1:
         typer.echo("no C compiler was found: only Python FMUs were built, which run slower")
 

@@ -5,7 +5,7 @@
     python docs/refresh.py --check             run everything, write nothing
 
 The parts have to be built. Comments in a page mark its fenced blocks; each block runs in a folder
-of the page's own that holds the built parts, `docs/` and a copy of `fmus/` and `build_fmus.py`:
+of the page's own that holds the built parts and `docs/`:
 
     <!-- file: slower.toml -->     the block is written to that file
     <!-- run -->                   the block, sh or python, is run and has to leave with exit code 0
@@ -87,8 +87,6 @@ def prepare(folder: Path, built: Path) -> None:
         for path in kind.glob("*.fmu"):
             shutil.copy(path, library)
     (folder / "docs").symlink_to(ROOT / "docs")
-    shutil.copy(ROOT / "build_fmus.py", folder)
-    shutil.copytree(ROOT / "fmus", folder / "fmus", ignore=shutil.ignore_patterns("__pycache__"))
 
 
 def ran(block: Block, folder: Path) -> str:
@@ -100,7 +98,7 @@ def ran(block: Block, folder: Path) -> str:
     environment = {
         **os.environ,
         "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": f"{folder}{os.pathsep}{ROOT}",
+        "PYTHONPATH": str(ROOT),
         "COLUMNS": "80",
         "TERM": "dumb",
     }

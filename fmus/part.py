@@ -50,6 +50,7 @@ class Part:
     needs: tuple[str, ...] = ()
     includes: tuple[str, ...] = ()
     generated: dict[str, tuple[str, Callable[[str], str]]] = field(default_factory=dict)
+    accuracy: float = 2.0e-8
 
     @property
     def variables(self) -> list[Variable]:

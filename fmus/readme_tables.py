@@ -1,6 +1,7 @@
 """Tables of a part's ports and parameters for its README, made from the code.
 
     python -m fmus.readme_tables            rewrite the tables in all READMEs of `fmus/`
+    python -m fmus.readme_tables ./mine     the same in the folder of a part of one's own
 
 The tables stand between the marks `<!-- ports -->`, `<!-- parameters -->` and
 `<!-- end -->`; a test holds them to the code.
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 import importlib
 import re
+import sys
 from pathlib import Path
 
 from .part import Part, Variable
@@ -78,7 +80,14 @@ def filled(text: str, part: Part) -> str:
     return text
 
 
+def _rewrite(readme: Path, part: Part) -> None:
+    readme.write_text(filled(readme.read_text(encoding="utf-8"), part), encoding="utf-8")
+
+
 if __name__ == "__main__":
-    for name in names():
-        readme = HERE / name / "README.md"
-        readme.write_text(filled(readme.read_text(encoding="utf-8"), load(name)), encoding="utf-8")
+    from .export.outside import outside_part
+
+    for folder in map(Path, sys.argv[1:]):
+        _rewrite(folder / "README.md", outside_part(folder))
+    for name in names() if len(sys.argv) == 1 else []:
+        _rewrite(HERE / name / "README.md", load(name))

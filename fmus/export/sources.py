@@ -30,8 +30,14 @@ def part_names() -> list[str]:
 
 
 def load_part(name: str) -> Any:
-    """The `PART` of a folder; `BuildError` if there is no such part."""
+    """The `PART` of a name in the package, or of a folder, as `./mine`; `BuildError` without."""
+    from .outside import is_folder, outside_part
+
+    if is_folder(name):
+        return outside_part(Path(name))
     names = part_names()
+    if name not in names and (Path(name) / "slave.py").is_file():
+        raise BuildError(f"no part {name!r} in the package; for the folder write ./{name}")
     if name not in names:
         raise BuildError(f"no part {name!r}; {nearest(name, names)}")
     return importlib.import_module(f"fmus.{name}.slave").PART
@@ -44,12 +50,15 @@ def compilable() -> list[str]:
 
 def source_files(part: Any) -> dict[str, bytes]:
     """Path inside the FMU's package -> text, for all that the part is made of."""
-    folders = [SOURCES, SOURCES / part.name, *(SOURCES / name for name in part.includes)]
+    own = Path(part.physics.__file__).parent
+    folders = {"": SOURCES, f"{part.name}/": own}
+    folders |= {f"{name}/": SOURCES / name for name in part.includes}
     files: dict[str, bytes] = {}
-    for folder in folders:
+    for prefix, folder in folders.items():
         for path in sorted(folder.iterdir()):
-            if path.suffix in {".py", ".json", ".toml"} and path.is_file():
-                files[path.relative_to(SOURCES).as_posix()] = path.read_bytes()
+            test = path.name.startswith("test_")
+            if path.suffix in {".py", ".json", ".toml"} and path.is_file() and not test:
+                files[f"{prefix}{path.name}"] = path.read_bytes()
     return files
 
 

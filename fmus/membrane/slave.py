@@ -12,6 +12,7 @@ PART = Part(
     physics,
     step=1.0e-4,
     generated={"membrane/tables.json": ("membrane/materials.toml", tables.made)},
+    accuracy=1.0e-5,
 )
 
 

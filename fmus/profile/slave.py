@@ -13,6 +13,7 @@ PART = Part(
     step=1.0e-3,
     includes=("membrane",),
     generated={"profile/tables.json": ("membrane/materials.toml", tables.made)},
+    accuracy=2.0e-5,
 )
 
 

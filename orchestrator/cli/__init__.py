@@ -24,6 +24,7 @@ from . import (
     fit,
     inspect,
     linearise,
+    new,
     paper,
     parts,
     plot,
@@ -66,6 +67,7 @@ def options(
 
 for module in (
     build,
+    new,
     run,
     sweep,
     precision,
