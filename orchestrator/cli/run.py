@@ -47,6 +47,9 @@ def run(
     fmus: common.Library = common.BUILT,
     native: common.Native = None,
     picture: Annotated[bool, typer.Option(help="Draw a PNG beside the result.")] = True,
+    html: Annotated[
+        bool, typer.Option("--html", help="Write a report beside the result, as one HTML page.")
+    ] = False,
     json: common.Json = False,
     quiet: common.Quiet = False,
     verbose: Annotated[
@@ -90,7 +93,10 @@ def run(
         if target.exists():
             kept += f"; {target} is still the result of an earlier run"
         common.fail(f"{outcome.failure}; {kept}", getattr(outcome.failure, "exit_code", 1))
-    _show(outcome, written, plot=picture, json=json, quiet=quiet, verbose=verbose)
+    report = _page(outcome, written) if html else None
+    _show(
+        outcome, written, report, plot=picture and not html, json=json, quiet=quiet, verbose=verbose
+    )
     reason = meaningless(outcome)
     if reason:
         common.fail(f"{reason}; {written} is whole", 1)
@@ -112,8 +118,32 @@ def recover(
         common.fail(f"{folder}: damaged, their rows are lost: {', '.join(lost)}", 1)
 
 
+def _page(outcome: Outcome, written: Path) -> Path:
+    """Write the report of a run as a page beside its result."""
+    from ..errors import OutputError
+    from ..report.page import write
+    from ..results.metrics import metrics
+    from ..results.recorded import read_recorded, recorded
+    from ..simulation.run_page import page
+
+    data = read_recorded(written) if outcome.segments else recorded(outcome)
+    path = written.with_suffix(".html")
+    try:
+        return write(page(outcome, data, metrics(data)), path)
+    except OutputError as error:
+        common.fail(f"{error}; {written} is whole", 2)
+    return path
+
+
 def _show(
-    outcome: Outcome, written: Path, *, plot: bool, json: bool, quiet: bool, verbose: bool
+    outcome: Outcome,
+    written: Path,
+    report: Path | None,
+    *,
+    plot: bool,
+    json: bool,
+    quiet: bool,
+    verbose: bool,
 ) -> None:
     """Plot and print a run, from the file that it has written."""
     from ..results.metrics import metrics
@@ -127,11 +157,12 @@ def _show(
         return
     found = metrics(data)
     if json:
-        common.print_json(_facts(outcome, found, written, drawn))
+        facts = _facts(outcome, found, written, drawn)
+        common.print_json(facts | {"page": str(report) if report else None})
         _check_numbers(found)
         return
     try:
-        _report(outcome, found, written, drawn, verbose)
+        _report(outcome, found, written, drawn, report, verbose)
     except OSError as error:
         common.fail(f"standard output: {error.strerror}; {written} is whole", 1)
     _check_numbers(found)
@@ -183,7 +214,14 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
     }
 
 
-def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, verbose: bool) -> None:
+def _report(
+    outcome: Outcome,
+    found: Any,
+    written: Path,
+    drawn: Path | None,
+    report: Path | None,
+    verbose: bool,
+) -> None:
     """Print the table of metrics, the warnings, and where the files are."""
     from rich.table import Table
     from rich.text import Text
@@ -223,7 +261,7 @@ def _report(outcome: Outcome, found: Any, written: Path, drawn: Path | None, ver
         console.print(Text(f"dropped: {printable(dropped, most=200)}"), soft_wrap=True)
     for line in warnings(outcome):
         console.print(Text(f"warning: {line}"), soft_wrap=True)
-    for label, path in (("result:", written), ("plot:  ", drawn)):
+    for label, path in (("result:", written), ("plot:  ", drawn), ("page:  ", report)):
         if path is not None:
             shown = Text(f"{label} {printable(str(path), most=1000)}")
             console.print(shown, soft_wrap=True)

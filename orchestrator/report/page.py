@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ..errors import OutputError
 from .animation import Animation
 from .files import written_whole
+from .picture import Picture
 from .plot import Figure
 from .table import Table
 
@@ -45,7 +46,7 @@ class Notes:
     items: Sequence[str]
 
 
-Part = Words | Notes | Table | Figure | Animation
+Part = Words | Notes | Table | Figure | Animation | Picture
 
 
 @dataclass(frozen=True)

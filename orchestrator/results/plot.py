@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 CYCLES = 5.0
 MOST_POINTS = 20_000
+MOST_ON_PAGE = 2000
+"""Points of a curve on a page: more than a screen has columns."""
 STYLES = ("-", "--", ":", "-.")
 """Lines of the runs that are drawn over each other."""
 
@@ -76,6 +78,30 @@ def overlay(
     axes[-1, 0].set_xlabel("Time (s)")
     figure.suptitle(plain(first.title if len(runs) == 1 else ", ".join(runs)))
     return save_figure(figure, path, 110)
+
+
+def panels_of(
+    data: Recorded, cycles: float = CYCLES, most: int = MOST_ON_PAGE
+) -> list[tuple[str, list[tuple[str, NDArray[np.float64], NDArray[np.float64]]]]]:
+    """Label and curves (name, times [s], values in the panel's unit) of a scenario's panels.
+
+    Over the last cycles, as :func:`draw`; of longer series at most `most` points.
+    """
+    if not data.units or not len(data.times):
+        return []
+    begin, end = _span([data], cycles)
+    first, last = (int(k) for k in np.searchsorted(data.times, [begin, end]))
+    shown = slice(first, last + 1, max(1, (last + 1 - first) // most))
+    return [
+        (
+            label,
+            [
+                (name, data.times[shown], _scale(data.units[name], unit) * data.series[name][shown])
+                for name in names
+            ],
+        )
+        for label, unit, names in _panels(data.units, data.plot or {})
+    ]
 
 
 def _span(runs: Iterable[Recorded], cycles: float) -> tuple[float, float]:

@@ -15,6 +15,11 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from orchestrator.report.page import write
+from orchestrator.results.metrics import metrics
+from orchestrator.results.recorded import recorded
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
+from orchestrator.simulation.run_page import page as run_page
 from orchestrator.studies.paper.animation import flight
 from orchestrator.studies.paper.cached_runs import CachedRuns
 from orchestrator.studies.paper.figure7 import figure7
@@ -142,12 +147,24 @@ def test_the_animation_plays_slowly_and_stops(opened: Page) -> None:
     assert (float(hand.get_attribute("x1") or 0.0) > begin) == (there > 0.0)
 
 
+@pytest.fixture(scope="module")
+def of_a_run(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of a run, with the diagram, which the paper's page does not have."""
+    plan = load("oscillator-1", None, library, time={"stop": "6 cycles"})
+    outcome = run(plan, estimate=True).checked()
+    data = recorded(outcome)
+    made = run_page(outcome, data, metrics(data))
+    return write(made, tmp_path_factory.mktemp("run") / "run.html")
+
+
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("kind", ["report", "of_a_run"])
 def test_it_is_readable_and_accessible(
-    browser: Browser, report: Path, width: int, scheme: Any
+    browser: Browser, request: pytest.FixtureRequest, width: int, scheme: Any, kind: str
 ) -> None:
     """Nothing wider than the window, and nothing that axe finds; axe needs the policy off."""
+    report: Path = request.getfixturevalue(kind)
     context = browser.new_context(
         viewport={"width": width, "height": 900}, color_scheme=scheme, bypass_csp=True
     )

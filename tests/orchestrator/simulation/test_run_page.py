@@ -1,0 +1,91 @@
+"""The report of a run: its numbers, its plots, its diagram, what it was made of."""
+
+from __future__ import annotations
+
+import base64
+import json
+from pathlib import Path
+
+import lxml.html
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator.cli import app
+from orchestrator.report.page import rendered
+from orchestrator.results.metrics import metrics
+from orchestrator.results.outcome import Outcome
+from orchestrator.results.recorded import recorded
+from orchestrator.simulation.load import load
+from orchestrator.simulation.run import run
+from orchestrator.simulation.run_page import page
+
+SHORT = {"stop": "8 cycles", "step": {"per_cycle": 50}}
+
+
+@pytest.fixture(scope="module")
+def outcome(library: Path) -> Outcome:
+    plan = load("flapping-full-wings", None, library, time=SHORT)
+    return run(plan, estimate=True).checked()
+
+
+@pytest.fixture(scope="module")
+def shown(outcome: Outcome) -> lxml.html.HtmlElement:
+    data = recorded(outcome)
+    return lxml.html.fromstring(rendered(page(outcome, data, metrics(data))))
+
+
+def test_every_metric_stands_with_its_error(outcome: Outcome, shown: lxml.html.HtmlElement) -> None:
+    rows = [
+        [cell.text_content().strip() for cell in row.iter("td")]
+        for row in shown.get_element_by_id("metrics").iter("tr")
+    ][1:]
+    wanted = [[m.name, m.shown, m.shown_error] for m in metrics(outcome)]
+    assert rows == wanted
+    assert len(rows) > 5
+
+
+def test_the_plots_are_those_of_the_scenario(
+    outcome: Outcome, shown: lxml.html.HtmlElement
+) -> None:
+    """In the panels' units, over the last five cycles."""
+    plots = json.loads(shown.get_element_by_id("run-data").text)
+    panels = outcome.plan.scenario.plot
+    assert [plot["y"]["label"].partition(" (")[0] for plot in plots] == list(panels)
+    stroke = next(p for p in plots if p["y"]["label"] == "Flap angle (deg)")
+    (curve,) = stroke["curves"]
+    assert curve["x"][-1] - curve["x"][0] == pytest.approx(5.0 / 18.0, rel=0.01)
+    found = {m.name: m.value for m in metrics(outcome)}
+    swing = max(curve["y"]) - min(curve["y"])
+    assert swing == pytest.approx(found["flapping stroke"] * 57.29578, rel=1e-3)
+
+
+def test_the_diagram_stands_in_the_file_and_says_its_wires(shown: lxml.html.HtmlElement) -> None:
+    (image,) = shown.iter("img")
+    kind, _, text = image.get("src").partition(",")
+    assert kind == "data:image/svg+xml;base64"
+    assert b"<svg" in base64.b64decode(text)
+    assert "actuator.force.value to linkage.force.value" in image.get("alt")
+
+
+def test_what_it_was_made_of_is_said(outcome: Outcome, shown: lxml.html.HtmlElement) -> None:
+    text = shown.get_element_by_id("made-of").text_content()
+    assert all(digest in text for digest in outcome.plan.digests.values())
+    assert "amplifier.waveform" in text
+    assert "square" in text
+    assert "0.24626 N" in text
+
+
+def test_the_command_writes_it_beside_the_result(library: Path, tmp_path: Path) -> None:
+    target = tmp_path / "a.nc"
+    options = ["--fmus", str(library), "--stop", "4 cycles", "--output", str(target), "--html"]
+    done = CliRunner().invoke(app, ["run", "oscillator-1", *options, "--json"])
+    assert done.exit_code == 0, done.output
+    facts = json.loads(done.stdout)
+    assert facts["page"] == str(tmp_path / "a.html")
+    assert facts["picture"] is None
+    assert "Metrics" in (tmp_path / "a.html").read_text()
+    (tmp_path / "b.html").mkdir()
+    options[options.index(str(target))] = str(tmp_path / "b.nc")
+    refused = CliRunner().invoke(app, ["run", "oscillator-1", *options])
+    assert refused.exit_code == 2
+    assert "b.nc is whole" in " ".join(refused.output.split())
