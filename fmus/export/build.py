@@ -9,8 +9,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from ..units import exponents
 from .archive import Built, described, guid_in, problems_of, seal
-from .sources import BuildError, digest_of, source_files
+from .sources import BuildError, digest_of, nearest, source_files
 from .staging import compiled, export, stage
 
 OUTPUT = Path("build") / "fmus"
@@ -75,6 +76,7 @@ def build_part(
     title = alias or part.name
     if not title.isidentifier():
         raise BuildError(f"{title!r} cannot name an FMU: use letters, digits and underscores")
+    check_description(part)
     starts = starts or {}
     sources = _sources(part, data) | (files or {})
     alike = digest_of(title, sources, starts, [])
@@ -104,6 +106,22 @@ def build_part(
         shutil.copyfile(sealed, partial)
         partial.replace(target)
     return described(title, target, guid, fresh=True)
+
+
+def check_description(part: Any) -> None:
+    """`BuildError` where a variable has no unit of ours, or depends on what is no input or port."""
+    inputs = [v for v in part.variables if v.causality == "input"]
+    known = {v.name for v in inputs} | {v.quantity.port for v in inputs} - {""}
+    for v in part.variables:
+        if not v.quantity.choices and v.quantity.unit:
+            try:
+                exponents(v.quantity.unit)
+            except ValueError as error:
+                raise BuildError(f"{part.name}: {v.name}: {error}") from None
+        for name in v.quantity.depends:
+            if name not in known:
+                hint = nearest(name, known) if known else "the part has no inputs"
+                raise BuildError(f"{part.name}: {v.name}: depends on no input {name!r}; {hint}")
 
 
 def _sources(part: Any, data: Path | None) -> dict[str, bytes]:

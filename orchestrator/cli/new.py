@@ -34,4 +34,8 @@ def part(
         except build_fmus.BuildError as error:
             raise InputError(str(error)) from None
     shown = folder if folder.is_absolute() else f"./{folder}"
-    typer.echo(f"{shown}: change physics.py and reference.csv; then: resilin build {shown}")
+    typer.echo(
+        f"{shown} is a spring that hardens. Put your equation into physics.py, its words into\n"
+        f"slave.py and README.md, known answers into reference.csv, its test into test_{name}.py;\n"
+        f"then: resilin build {shown}"
+    )

@@ -60,7 +60,7 @@ def _list(library: Path, json: bool) -> None:
 
     found = {name: built_part(name, library) for name in part_names(library)}
     if not found:
-        raise InputError(f"{library}: holds no FMU; run: resilin build")
+        raise InputError(f"the folder {library} holds no FMU; run: resilin build")
     described = {name: description_of(path) for name, path in found.items()}
     if json:
         common.print_json(

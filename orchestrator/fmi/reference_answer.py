@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import math
 import tempfile
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FmuError, nearest
+from ..errors import FmuError, nearest, printable
 from .archive import extract
 from .description import Interface, read_interface
 from .instance import in_process
@@ -47,19 +46,27 @@ def read_reference(path: Path, interface: Interface) -> ReferenceAnswer:
     `FmuError` where it is not a table of numbers over `time`, or names what the FMU does not have.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-        head, _, body = text.partition("\n") if text.startswith(START) else ("", "", text)
-        pairs = [pair.split("=") for pair in head.removeprefix(START).split(", ") if "=" in pair]
-        start: dict[str, float | str] = {key.strip(): float(value) for key, value in pairs}
-        rows = [
-            {key: float(value) for key, value in row.items()}
-            for row in csv.DictReader(io.StringIO(body), strict=True)
-        ]
-        times = [row["time"] for row in rows]
-    except (OSError, ValueError, TypeError, KeyError, csv.Error) as error:
-        raise FmuError(f"{path}: is no reference answer ({error!r})") from None
-    if not rows or times[0] != 0.0 or any(b <= a for a, b in pairwise(times)):
-        raise FmuError(f"{path}: its times have to rise from 0")
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise FmuError(f"{path}: cannot be read as text ({error})") from None
+    start: dict[str, float | str] = {}
+    skipped = 0
+    if lines and lines[0].startswith(START):
+        skipped = 1
+        for pair in lines[0].removeprefix(START).split(","):
+            name, _, value = pair.partition("=")
+            start[name.strip()] = _number(path, 1, value.strip())
+    table = csv.reader(lines[skipped:])
+    names = [name.strip() for name in next(table, [])]
+    rows = []
+    for cells in table:
+        line = skipped + table.line_num
+        if len(cells) != len(names):
+            raise FmuError(f"{path}: line {line}: {len(cells)} values under {len(names)} names")
+        rows.append({n: _number(path, line, c) for n, c in zip(names, cells, strict=True)})
+    times = [row["time"] for row in rows] if "time" in names else []
+    if not rows or not times or times[0] != 0.0 or any(b <= a for a, b in pairwise(times)):
+        raise FmuError(f"{path}: needs a column time that rises from 0")
     known = {v.name: v.causality for v in interface.variables.values()}
     for name in [*start, *(key for key in rows[0] if key != "time")]:
         if known.get(name) not in {"input", "output", "parameter"}:
@@ -71,6 +78,13 @@ def read_reference(path: Path, interface: Interface) -> ReferenceAnswer:
         inputs={name: values for name, values in columns.items() if known[name] == "input"},
         outputs={name: values for name, values in columns.items() if known[name] == "output"},
     )
+
+
+def _number(path: Path, line: int, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise FmuError(f"{path}: line {line}: {printable(text)!r} is not a number") from None
 
 
 def reference_deviation(path: Path, reference: Path) -> Deviation:

@@ -35,7 +35,8 @@ def keep_other(path: Path, attributes: Mapping[str, Any]) -> Path | None:
     except OSError as error:
         raise OutputError(f"{path}: cannot be renamed to {kept} ({error.strerror})") from None
     warnings.warn(
-        f"{path} held a result of another setting, which is now {kept}; --name names a result",
+        f"{path} held a result of another setting or FMU, which is now {kept}; --name names a"
+        " result",
         KeptWarning,
         stacklevel=2,
     )

@@ -55,6 +55,13 @@ def _message(key: str, parts: list[str], problem: Any, value: Any, union: bool) 
         return f"{key}: is missing"
     if problem["type"] == "finite_number":
         return f"{key}: {given} is not a finite number"
+    if parts[0] == "hold" and isinstance(value, dict):
+        inside = value
+        name = key.removeprefix("hold.")
+        while isinstance(inside, dict) and inside:
+            word, inside = next(iter(inside.items()))
+            name = f"{name}.{word}"
+        return f'{key}: quote the whole name, as "{printable(name)}" = ...'
     if union and len(parts) and problem["type"] in {"float_type", "string_type", "model_type"}:
         return f"{key}: expected a number, or a text with a unit, got {given}"
     return f"{key}: {problem['msg']}, got {given}"

@@ -30,7 +30,7 @@ def result(tmp_path: Path) -> Path:
 def test_a_result_of_another_setting_is_kept_under_its_digest(
     other: dict[str, str], result: Path
 ) -> None:
-    with pytest.warns(KeptWarning, match=r"a\.nc held a result of another setting"):
+    with pytest.warns(KeptWarning, match=r"a\.nc held a result of another setting or FMU"):
         kept = keep_other(result, other)
     assert kept == result.with_name(f"a.{digest(ONE)}.nc")
     assert sorted(p.name for p in result.parent.iterdir()) == [kept.name, f"a.{digest(ONE)}.png"]
