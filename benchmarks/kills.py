@@ -35,7 +35,14 @@ sys.argv = ["resilin", "run", "oscillator-1", "--stop", "400000 cycles", "--no-p
             "--quiet", "--output", sys.argv[1]]
 app()
 """
-SWEEP = ["sweep", "oscillator-1", "--over", "amplifier.frequency=40:63:1Hz", "--stop", "20 cycles"]
+SWEEP = [
+    "sweep",
+    "oscillator-1",
+    "--over",
+    "amplifier.frequency=40:63:0.1Hz",
+    "--stop",
+    "300 cycles",
+]
 LONGEST = 4.0
 """Seconds after which a run is killed at the latest."""
 
@@ -59,8 +66,8 @@ def killed(folder: Path, after: float) -> str:
     process.wait()
     if (folder / "out.nc").exists():
         return "FAULT: a result under the final name"
-    if not (folder / "out.segments").is_dir():
-        return "before its first segment"
+    if not (folder / "out.segments" / "manifest.json").is_file():
+        return "before its first segment was whole"
     done = subprocess.run(
         [sys.executable, "-m", "orchestrator.cli", "recover", str(folder / "out.segments")],
         capture_output=True,

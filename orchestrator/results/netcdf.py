@@ -24,7 +24,7 @@ from ..errors import InputError, OutputError
 from ..report.files import written_whole
 from ..scenario.files import is_file
 from ..scenario.plan import Plan
-from .segments import Column, Segments, assemble, folder_of, found, taken
+from .segments import Column, Segments, assemble, clear_of_nothing, folder_of, found, taken
 
 if TYPE_CHECKING:
     import xarray
@@ -160,6 +160,7 @@ def prepare(path: Path) -> None:
     try:
         if path.is_dir():
             raise OutputError(f"{path}: is a folder; name a file")
+        clear_of_nothing(folder_of(path))
         if folder_of(path).exists():
             raise taken(folder_of(path))
         path.parent.mkdir(parents=True, exist_ok=True)

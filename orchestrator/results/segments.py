@@ -121,6 +121,20 @@ def taken(folder: Path) -> OutputError:
     )
 
 
+def clear_of_nothing(folder: Path) -> None:
+    """Remove what a run has left that was killed before its first segment was whole."""
+    if (folder / MANIFEST).exists() or not folder.is_dir():
+        return
+    lock = Lock(folder)
+    try:
+        if lock.take(sure=True):
+            shutil.rmtree(folder, ignore_errors=True)
+    except OSError:
+        return
+    finally:
+        lock.release()
+
+
 def folder_of(path: Path) -> Path:
     """Where the segments of a result go while the run lasts."""
     return path.with_name(path.name.removesuffix(".nc") + ".segments")
@@ -135,6 +149,11 @@ def found(folder: Path) -> Segments:
     try:
         if not lock.take():
             raise InputError(f"{folder}: its run is still alive; stop it first, or let it end")
+        if not (folder / MANIFEST).exists():
+            raise InputError(
+                f"{folder}: no segments of a run here: it was killed before the first was whole; the"
+                " next run of this name takes its place"
+            )
         known = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
         columns = [Column(name, noted) for name, noted in known["columns"]]
         segments = Segments(folder, columns, known["attributes"])

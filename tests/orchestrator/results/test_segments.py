@@ -11,6 +11,7 @@ import xarray
 
 from orchestrator.errors import InputError, OutputError
 from orchestrator.results import netcdf, segments
+from orchestrator.results.lock import Lock
 from orchestrator.results.netcdf import (
     folder_of,
     partial_path,
@@ -178,8 +179,26 @@ def test_a_full_disk_keeps_what_is_there(
 
 def test_left_segments_are_told_before_the_run(tmp_path: Path) -> None:
     folder_of(tmp_path / "long.nc").mkdir()
+    (folder_of(tmp_path / "long.nc") / segments.MANIFEST).write_text("{}")
     with pytest.raises(OutputError, match=r"resilin recover .*long\.segments"):
         prepare(tmp_path / "long.nc")
+
+
+def test_a_folder_without_a_whole_segment_is_in_nobodys_way(library: Path, tmp_path: Path) -> None:
+    """A run that was killed while it wrote its first segment has kept nothing."""
+    target = tmp_path / "out.nc"
+    left = tmp_path / "out.segments"
+    left.mkdir()
+    (left / "segment_0.nc").write_bytes(b"half of it")
+    with pytest.raises(InputError, match="killed before the first was whole; the next run"):
+        recover(left)
+    lock = Lock(left)
+    lock.take()
+    with pytest.raises(OutputError, match="holds the rows of another run"):
+        prepare(target)
+    lock.release()
+    prepare(target)
+    assert not left.exists()
 
 
 def test_nothing_to_recover_is_refused(tmp_path: Path) -> None:
