@@ -5,6 +5,7 @@ from __future__ import annotations
 from xml.etree.ElementTree import Element, SubElement
 
 from .part import Part, Variable
+from .quantity import Quantity
 from .units import exponents
 
 CAPABILITIES = {
@@ -20,6 +21,10 @@ LOG_CATEGORIES = {
     "logStatusWarning": "What the part reports and survives.",
     "logStatusError": "What made a call fail: component, time and cause.",
 }
+
+
+PROVENANCE = "; provenance: "
+"""Between the meaning of a parameter and where its number comes from, in its description."""
 
 
 def model_description(
@@ -106,7 +111,7 @@ def _scalar(part: Part, reference: int, variable: Variable) -> Element:
         "ScalarVariable",
         name=variable.name,
         valueReference=str(reference),
-        description=quantity.meaning,
+        description=_described(quantity),
         causality=variable.causality,
         variability=_variability(variable),
         initial="calculated" if variable.causality == "output" else "exact",
@@ -131,6 +136,13 @@ def _scalar(part: Part, reference: int, variable: Variable) -> Element:
         tool = SubElement(annotations, "Tool", name="resilin")
         SubElement(tool, "Port", name=quantity.port, order=str(quantity.order))
     return scalar
+
+
+def _described(quantity: Quantity) -> str:
+    """What a variable means and, of a parameter, where its number comes from."""
+    return (
+        f"{quantity.meaning}{PROVENANCE}{quantity.source}" if quantity.source else quantity.meaning
+    )
 
 
 def _variability(variable: Variable) -> str:

@@ -53,7 +53,7 @@ def read_reference(path: Path, interface: Interface) -> ReferenceAnswer:
     skipped = 0
     if lines and lines[0].startswith(START):
         skipped = 1
-        for pair in lines[0].removeprefix(START).split(","):
+        for pair in filter(None, map(str.strip, lines[0].removeprefix(START).split(","))):
             name, _, value = pair.partition("=")
             start[name.strip()] = _number(path, 1, value.strip())
     table = csv.reader(lines[skipped:])

@@ -151,8 +151,8 @@ def found(folder: Path) -> Segments:
             raise InputError(f"{folder}: its run is still alive; stop it first, or let it end")
         if not (folder / MANIFEST).exists():
             raise InputError(
-                f"{folder}: no segments of a run here: it was killed before the first was whole; the"
-                " next run of this name takes its place"
+                f"{folder}: no segments of a run here: it was killed before the first was whole;"
+                " the next run of this name takes its place"
             )
         known = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
         columns = [Column(name, noted) for name, noted in known["columns"]]

@@ -19,6 +19,9 @@ Row = TypeVar("Row")
 
 PARAMETERS = ("parameter", "structuralParameter")
 DIRECTIONS = {"input": "in", "output": "out"}
+PROVENANCE = "; provenance: "
+"""Between meaning and provenance in the descriptions of the package's own FMUs."""
+
 MOST_ROWS = 500
 """Rows of a table; `--json` gives what is more."""
 
@@ -62,7 +65,8 @@ def part_facts(part: Interface) -> dict[str, Any]:
                 "most": v.most,
                 "choices": list(v.choices),
                 "tunable": v.tunable,
-                "meaning": v.description,
+                "meaning": meaning_of(v),
+                "provenance": provenance_of(v),
             }
             for v in part.of(*PARAMETERS)
         },
@@ -77,6 +81,16 @@ def part_facts(part: Interface) -> dict[str, Any]:
     }
 
 
+def meaning_of(variable: Variable) -> str:
+    """The description of a variable without its provenance."""
+    return variable.description.partition(PROVENANCE)[0]
+
+
+def provenance_of(variable: Variable) -> str:
+    """Where the number of a parameter comes from, "" where its FMU does not say."""
+    return variable.description.partition(PROVENANCE)[2]
+
+
 def start_of(variable: Variable) -> float | str | None:
     """Start value of a parameter; a choice by its name."""
     if variable.choices and variable.start is not None:
@@ -88,16 +102,18 @@ def start_of(variable: Variable) -> float | str | None:
 def _parameters(part: Interface) -> Table:
     from rich.table import Table
 
+    sources = any(provenance_of(v) for v in part.of(*PARAMETERS))
     table = Table("parameter", "start", "range", "meaning", title="parameters")
+    if sources:
+        table.add_column("provenance")
     table.columns[1].justify = "right"
     for v in _cut(table, part.of(*PARAMETERS)):
         start = start_of(v)
         number = f"{start:.6g}" if isinstance(start, float) else printable(str(start or ""))
         unit = "" if v.unit in {"", "1"} else f" {printable(v.unit)}"
         tunable = " (tunable)" if v.tunable else ""
-        table.add_row(
-            printable(v.name), f"{number}{unit}", _range(v), printable(v.description) + tunable
-        )
+        row = [printable(v.name), f"{number}{unit}", _range(v), printable(meaning_of(v)) + tunable]
+        table.add_row(*row, *([printable(provenance_of(v))] if sources else []))
     return table
 
 

@@ -22,7 +22,8 @@ def test_facts_of_a_part(library: Path) -> None:
     facts = part_facts(parts(library)["amplifier"])
     frequency, waveform = (facts["parameters"][name] for name in ("frequency", "waveform"))
     assert frequency["unit"] == "Hz" and frequency["least"] == 0.0
-    assert frequency["meaning"] and facts["description"]
+    assert frequency["meaning"] == "Frequency" and facts["description"]
+    assert frequency["provenance"].startswith("printed: ")
     assert "square" in waveform["choices"] and waveform["start"] in waveform["choices"]
     (top,) = (p for p in facts["ports"] if (p["port"], p["direction"]) == ("top", "out"))
     assert top["members"]["top.voltage"]["unit"] == "V"
