@@ -57,6 +57,7 @@ def part_facts(part: Interface) -> dict[str, Any]:
         "fmi": part.version,
         "rollback": part.rollback,
         "variable_step": part.variable_step,
+        "model_exchange": part.model_exchange,
         "parameters": {
             v.name: {
                 "start": start_of(v),

@@ -1,4 +1,4 @@
-"""Attributes that FMI 2.0 and 3.0 share: those of the root and of co-simulation."""
+"""Attributes that FMI 2.0 and 3.0 share: those of the root, and of what the FMU is for."""
 
 from __future__ import annotations
 
@@ -25,6 +25,9 @@ def interface(
     """The `Interface` of a description of a version of FMI whose variables have been read."""
     identity, state = NAMES[version]
     kind = root.find("CoSimulation")
+    exchange = kind is None
+    if exchange:
+        kind = root.find("ModelExchange")
     tool = root.get("generationTool") or ""
     return Interface(
         path=path,
@@ -35,13 +38,21 @@ def interface(
         tool=tool,
         variables=variables,
         rollback=true(kind.get(state)),
-        variable_step=true(kind.get("canHandleVariableCommunicationStepSize")),
+        variable_step=exchange or true(kind.get("canHandleVariableCommunicationStepSize")),
         once=true(kind.get("canBeInstantiatedOnlyOncePerProcess")),
         needs_tool=true(kind.get("needsExecutionTool")),
         ours=tool.startswith("Resilin"),
         warnings=warnings,
         step=preferred_step(root),
+        model_exchange=exchange,
+        states=len(root.findall("ModelStructure/Derivatives/Unknown")),
+        indicators=_count(root.get("numberOfEventIndicators")),
     )
+
+
+def _count(text: str | None) -> int:
+    """A number of things in XML; 0 where it is none."""
+    return int(text) if text is not None and text.isascii() and text.isdigit() else 0
 
 
 def preferred_step(root: Any) -> float | None:

@@ -59,7 +59,7 @@ def _read(path: Path, digest: str) -> Interface:
 def examined(path: Path) -> tuple[Interface | None, Findings]:
     """Interface of an FMU file, None where an error refuses it, and everything found in it.
 
-    Raises `FmuError` for what is not a description of a co-simulation FMU at all.
+    Raises `FmuError` for what is not a description of an FMU at all.
     """
     text = read_description(path)
     root = guarded(f"{path}: modelDescription.xml", text)
@@ -96,10 +96,15 @@ def _version(path: Path, root: Any) -> str:
 
 
 def _check_kind(path: Path, root: Any, findings: Findings) -> None:
-    """Refuse an FMU that is not for co-simulation, or whose identifier could leave its folder."""
+    """Refuse an FMU that is for nothing that we know, or whose identifier could leave its folder.
+
+    One that is for both is taken for co-simulation: its own solver knows it best.
+    """
     kind = root.find("CoSimulation")
     if kind is None:
-        raise FmuError(f"{path}: not a co-simulation FMU; export it for co-simulation")
+        kind = root.find("ModelExchange")
+    if kind is None:
+        raise FmuError(f"{path}: is neither for co-simulation nor for model exchange")
     identifier = kind.get("modelIdentifier") or ""
     shown = printable(identifier)
     if not FILE_NAME.fullmatch(identifier) or shown != identifier:

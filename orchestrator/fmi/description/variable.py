@@ -99,7 +99,11 @@ class Variable:
 
 @dataclass(frozen=True)
 class Interface:
-    """Variables and capabilities of an FMU; `step` [s] is the communication step it prefers."""
+    """Variables and capabilities of an FMU; `step` [s] is the communication step it prefers.
+
+    One for `model_exchange` has so many continuous `states` and event `indicators`, as FMI 2 lists
+    them; an FMU for co-simulation has its own solver, and none of these.
+    """
 
     path: Path
     version: int
@@ -115,6 +119,9 @@ class Interface:
     ours: bool
     warnings: tuple[str, ...] = field(default=())
     step: float | None = None
+    model_exchange: bool = False
+    states: int = 0
+    indicators: int = 0
 
     def of(self, *causalities: str) -> list[Variable]:
         """Variables with one of these causalities, in the FMU's order."""

@@ -35,11 +35,13 @@ def open_instance(
 
 
 def in_process(name: str, interface: Interface, folder: Path) -> InProcessInstance:
-    """Instance in this process, by its version of FMI."""
+    """Instance in this process, by its version of FMI and what it is for."""
     if interface.version == 3:
-        from .fmi3 import Fmi3Instance
+        from .fmi3 import Fmi3Instance, IntegratedFmi3Instance
 
-        return Fmi3Instance(name, interface, folder)
-    from .fmi2 import Fmi2Instance
+        third = IntegratedFmi3Instance if interface.model_exchange else Fmi3Instance
+        return third(name, interface, folder)
+    from .fmi2 import Fmi2Instance, IntegratedFmi2Instance
 
-    return Fmi2Instance(name, interface, folder)
+    second = IntegratedFmi2Instance if interface.model_exchange else Fmi2Instance
+    return second(name, interface, folder)

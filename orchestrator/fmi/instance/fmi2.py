@@ -1,19 +1,22 @@
-"""FMI 2.0 for co-simulation."""
+"""FMI 2.0, for co-simulation and for model exchange."""
 
 from __future__ import annotations
 
 import ctypes
 import functools
 from collections.abc import Callable
+from math import inf
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
+from ...errors import InstanceFailure
 from ..description import Variable
 from .in_process import InProcessInstance, listen, route
+from .integrated import Integrated
 
-CO_SIMULATION = 1
+MODEL_EXCHANGE, CO_SIMULATION = 0, 1
 POINTER = ctypes.c_void_p
 DOUBLE = ctypes.c_double
 COUNT = ctypes.c_size_t
@@ -31,6 +34,7 @@ class Fmi2Instance(InProcessInstance):
         "Enumeration": np.int32,
     }
     SUFFIX: ClassVar = {"Enumeration": "Integer"}
+    KIND = CO_SIMULATION
 
     def _instantiate(self, folder: Path) -> Any:
         from fmpy import fmi2
@@ -45,16 +49,20 @@ class Fmi2Instance(InProcessInstance):
         instantiate = self._function(
             "fmi2Instantiate", text, FLAG, text, text, POINTER, FLAG, FLAG, result=POINTER
         )
-        self._do_step = self._function("fmi2DoStep", POINTER, DOUBLE, DOUBLE, FLAG)
+        self._do_step = self._stepper()
         return instantiate(
             self.name.encode(),
-            CO_SIMULATION,
+            self.KIND,
             self.interface.guid.encode(),
             _location(folder / "resources", self.interface.tool).encode(),
             ctypes.addressof(self._callbacks),
             0,
             1,
         )
+
+    def _stepper(self) -> Any:
+        """What makes a step, for Python and for C."""
+        return self._function("fmi2DoStep", POINTER, DOUBLE, DOUBLE, FLAG)
 
     def prepare(
         self,
@@ -109,6 +117,41 @@ class Fmi2Instance(InProcessInstance):
 
     def _state_function(self, verb: str) -> Any:
         return self._function(f"fmi2{verb}FMUstate", POINTER, POINTER)
+
+
+class IntegratedFmi2Instance(Integrated, Fmi2Instance):
+    """An instance of an FMI 2.0 FMU for model exchange."""
+
+    KIND = MODEL_EXCHANGE
+    RATES = "GetDerivatives"
+
+    def _stepper(self) -> Any:
+        from fmpy.fmi2 import fmi2EventInfo
+
+        self._event = fmi2EventInfo()
+        made = ctypes.CFUNCTYPE(ctypes.c_int, POINTER, DOUBLE, DOUBLE, FLAG)
+        return made(lambda _, time, size, __: self.stepped(time, size))
+
+    def _sizes(self) -> tuple[int, int]:
+        return self.interface.states, self.interface.indicators
+
+    def _enter_event_mode(self) -> None:
+        self._call(self._function("fmi2EnterEventMode", POINTER))
+
+    def _completed(self) -> bool:
+        event, ends = FLAG(), FLAG()
+        told = self._function("fmi2CompletedIntegratorStep", POINTER, FLAG, POINTER, POINTER)
+        self._call(told, 1, ctypes.addressof(event), ctypes.addressof(ends))
+        if ends.value:
+            raise InstanceFailure(f"{self.name}: the FMU requests the end of the simulation")
+        return bool(event.value)
+
+    def _updated(self) -> tuple[bool, bool, float]:
+        event = self._event
+        update = self._function("fmi2NewDiscreteStates", POINTER, POINTER)
+        self._call(update, ctypes.addressof(event))
+        following = event.nextEventTime if event.nextEventTimeDefined else inf
+        return bool(event.newDiscreteStatesNeeded), bool(event.terminateSimulation), following
 
 
 @functools.cache

@@ -1,8 +1,8 @@
-"""FMI 3.0 for co-simulation.
+"""FMI 3.0, for co-simulation and for model exchange.
 
-Instances are made without event mode and early return, so an FMU handles its events inside its
-step, as FMI 3 then demands. One that requests event mode, returns early or requests the end all
-the same is refused with that reason.
+Instances for co-simulation are made without event mode and early return, so an FMU handles its
+events inside its step, as FMI 3 then demands. One that requests event mode, returns early or
+requests the end all the same is refused with that reason.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import ctypes
 import functools
 import os
 from collections.abc import Callable
+from math import inf
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -20,6 +21,7 @@ from ...errors import InstanceFailure
 from ..description import Variable
 from .buffers import DTYPES
 from .in_process import InProcessInstance, listen, route
+from .integrated import Integrated
 from .place import step_text
 
 POINTER = ctypes.c_void_p
@@ -46,23 +48,30 @@ class Fmi3Instance(InProcessInstance):
             result=POINTER,
         )
         self._do_step = self._function("fmi3DoStep", POINTER, DOUBLE, DOUBLE, FLAG, *4 * [POINTER])
-        self._event = ctypes.c_bool()
-        self._terminate = ctypes.c_bool()
-        self._early = ctypes.c_bool()
-        self._reached = ctypes.c_double()
-        results = (self._event, self._terminate, self._early, self._reached)
-        self._flags = tuple(ctypes.addressof(entry) for entry in results)
-        resources = folder / "resources"
+        self._make_flags()
         return instantiate(
-            self.name.encode(),
-            self.interface.guid.encode(),
-            (str(resources.resolve()) + os.sep).encode() if resources.is_dir() else None,
+            *self._named_and_placed(folder),
             *(False, True, False, False),
             *(None, 0),
             listen(self),
             _logger(),
             None,
         )
+
+    def _make_flags(self) -> None:
+        """Where a step leaves its results."""
+        self._event = ctypes.c_bool()
+        self._terminate = ctypes.c_bool()
+        self._early = ctypes.c_bool()
+        self._reached = ctypes.c_double()
+        results = (self._event, self._terminate, self._early, self._reached)
+        self._flags = tuple(ctypes.addressof(entry) for entry in results)
+
+    def _named_and_placed(self, folder: Path) -> tuple[bytes, bytes, bytes | None]:
+        """Name, token and folder of the resources, as every instantiation begins."""
+        resources = folder / "resources"
+        place = (str(resources.resolve()) + os.sep).encode() if resources.is_dir() else None
+        return self.name.encode(), self.interface.guid.encode(), place
 
     def prepare(
         self,
@@ -139,6 +148,53 @@ class Fmi3Instance(InProcessInstance):
 
     def _state_function(self, verb: str) -> Any:
         return self._function(f"fmi3{verb}FMUState", POINTER, POINTER)
+
+
+class IntegratedFmi3Instance(Integrated, Fmi3Instance):
+    """An instance of an FMI 3.0 FMU for model exchange."""
+
+    RATES = "GetContinuousStateDerivatives"
+
+    def _instantiate(self, folder: Path) -> Any:
+        from fmpy.fmi3 import fmi3LogMessageCallback
+
+        instantiate = self._function(
+            "fmi3InstantiateModelExchange",
+            *(TEXT, TEXT, TEXT, FLAG, FLAG, POINTER, fmi3LogMessageCallback),
+            result=POINTER,
+        )
+        made = ctypes.CFUNCTYPE(ctypes.c_int, POINTER, DOUBLE, DOUBLE, FLAG, *4 * [POINTER])
+        self._do_step = made(lambda _, time, size, *__: self.stepped(time, size))
+        self._make_flags()
+        described = self._named_and_placed(folder)
+        return instantiate(*described, False, True, listen(self), _logger())
+
+    def _sizes(self) -> tuple[int, int]:
+        counts = []
+        for name in ("fmi3GetNumberOfContinuousStates", "fmi3GetNumberOfEventIndicators"):
+            count = COUNT()
+            self._call(self._function(name, POINTER, POINTER), ctypes.addressof(count))
+            counts.append(count.value)
+        return counts[0], counts[1]
+
+    def _enter_event_mode(self) -> None:
+        self._call(self._function("fmi3EnterEventMode", POINTER))
+
+    def _completed(self) -> bool:
+        event, ends = FLAG(), FLAG()
+        told = self._function("fmi3CompletedIntegratorStep", POINTER, FLAG, POINTER, POINTER)
+        self._call(told, True, ctypes.addressof(event), ctypes.addressof(ends))
+        if ends.value:
+            raise InstanceFailure(f"{self.name}: the FMU requests the end of the simulation")
+        return bool(event.value)
+
+    def _updated(self) -> tuple[bool, bool, float]:
+        flags = [FLAG() for _ in range(5)]
+        following = DOUBLE(inf)
+        update = self._function("fmi3UpdateDiscreteStates", POINTER, *6 * [POINTER])
+        self._call(update, *map(ctypes.addressof, flags), ctypes.addressof(following))
+        again, ends, _, _, defined = (bool(flag.value) for flag in flags)
+        return again, ends, following.value if defined else inf
 
 
 @functools.cache

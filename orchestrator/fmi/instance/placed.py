@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ..description import Interface
-from .fmi2 import Fmi2Instance
-from .fmi3 import Fmi3Instance
+from .fmi2 import Fmi2Instance, IntegratedFmi2Instance
+from .fmi3 import Fmi3Instance, IntegratedFmi3Instance
 from .in_process import InProcessInstance
 from .message_log import FAULTY, MOST_MESSAGES
 from .place import (
@@ -111,12 +111,28 @@ class PlacedFmi3Instance(_Placed, Fmi3Instance):
     """One of FMI 3."""
 
 
+class PlacedIntegratedFmi2Instance(_Placed, IntegratedFmi2Instance):
+    """One of FMI 2 for model exchange."""
+
+
+class PlacedIntegratedFmi3Instance(_Placed, IntegratedFmi3Instance):
+    """One of FMI 3 for model exchange."""
+
+
+PLACED: dict[tuple[int, bool], type[_Placed]] = {
+    (2, False): PlacedFmi2Instance,
+    (3, False): PlacedFmi3Instance,
+    (2, True): PlacedIntegratedFmi2Instance,
+    (3, True): PlacedIntegratedFmi3Instance,
+}
+
+
 def placed_instance(
     name: str, interface: Interface, folder: Path, place: Place, pass_on: PassOn
 ) -> InProcessInstance:
-    """Instance in this process, by its version of FMI, whose calls are noted in `place`.
+    """Instance in this process, by its version of FMI and use, whose calls are noted in `place`.
 
     `pass_on` gets the status and text of its first messages and of all errors as they come.
     """
-    made = PlacedFmi3Instance if interface.version == 3 else PlacedFmi2Instance
+    made = PLACED[interface.version, interface.model_exchange]
     return made(name, interface, folder, place, pass_on)

@@ -16,6 +16,8 @@ from .names import FMU, MAPPING, PARAMETERS, local, tag
 from .units import declared_units
 
 Fetch = Callable[[str], Any]
+IMPLEMENTATIONS = {"any", "CoSimulation", "ModelExchange"}
+"""What a component may be for; the FMU's own description decides what it is taken for."""
 """Root element of another file of the archive, by its address relative to the description."""
 
 
@@ -148,7 +150,7 @@ class Reader:
         kind, source = element.get("type") or FMU, element.get("source") or ""
         if kind != FMU:
             self.problems.add(line, f"{named} is of type {printable(kind)}, not an FMU")
-        if element.get("implementation", "any") not in {"any", "CoSimulation"}:
+        if element.get("implementation", "any") not in IMPLEMENTATIONS:
             self.problems.add(line, f"{named} is for {element.get('implementation')} only")
         if not source:
             self.problems.add(line, f"{named} names no source")

@@ -174,10 +174,16 @@ def test_version_is_refused(version: str, reason: str, description: str, tmp_pat
     assert reason in refused(tmp_path, replaced(description, 'fmiVersion="2.0"', version))
 
 
-def test_model_exchange_alone_is_refused(description: str, tmp_path: Path) -> None:
-    assert "co-simulation" in refused(
-        tmp_path, replaced(description, "CoSimulation ", "ModelExchange ")
+def test_what_an_fmu_is_for_is_read(description: str, tmp_path: Path) -> None:
+    """For both it is taken for co-simulation; for neither it is refused."""
+    text = replaced(description, "CoSimulation ", "ModelExchange ")
+    assert read_interface(fmu(tmp_path, text)).model_exchange
+    both = replaced(
+        description, "<CoSimulation ", '<ModelExchange modelIdentifier="a"/><CoSimulation '
     )
+    assert not read_interface(fmu(tmp_path, both)).model_exchange
+    neither = replaced(description, "CoSimulation ", "ScheduledExecution ")
+    assert "neither for co-simulation nor for model exchange" in refused(tmp_path, neither)
 
 
 @pytest.mark.parametrize(

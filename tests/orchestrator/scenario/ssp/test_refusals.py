@@ -96,9 +96,9 @@ BAD = {
                            + component("a_b", "resources/payload.fmu"))),
         "would both be called a_b",
     ),
-    "model exchange": (
-        described(ALONE.replace(FMU, f'{FMU} implementation="ModelExchange"')),
-        "for ModelExchange only",
+    "scheduled execution": (
+        described(ALONE.replace(FMU, f'{FMU} implementation="ScheduledExecution"')),
+        "for ScheduledExecution only",
     ),
     "no fmu at all": (
         described(ALONE.replace("x-fmu-sharedlibrary", "x-python")), "is of type",
