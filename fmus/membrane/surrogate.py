@@ -111,7 +111,7 @@ def samples(film: Film, span: Range, xs: Array, es: Array) -> list[list[Equilibr
 
 def solved(unit: Film, span: Range) -> list[list[Equilibrium]]:
     """Direct solutions at the Chebyshev nodes of a range: a row for each x, from the lowest."""
-    tx, te = (_nodes(n) for n in span.nodes)
+    tx, te = (chebyshev_nodes(n) for n in span.nodes)
     xs = span.lowest + (span.highest - span.lowest) * tx
     return samples(unit, span, xs, span.loading * te)
 
@@ -120,7 +120,7 @@ def splined(values: Array, cells: tuple[int, int]) -> Array:
     """B-spline coefficients over `cells` of the polynomial through values at Chebyshev nodes."""
     coefficients = values
     for axis, (count, wanted) in enumerate(zip(values.shape, cells, strict=True)):
-        nodes = _nodes(count)
+        nodes = chebyshev_nodes(count)
         to_series = np.linalg.inv(chebyshev.chebvander(2.0 * nodes - 1.0, count - 1))
         points = 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, 8 * wanted)))
         dense = chebyshev.chebvander(2.0 * points - 1.0, count - 1)
@@ -129,7 +129,8 @@ def splined(values: Array, cells: tuple[int, int]) -> Array:
     return coefficients
 
 
-def _nodes(count: int) -> Array:
+def chebyshev_nodes(count: int) -> Array:
+    """Chebyshev nodes of [0, 1], rising."""
     return np.asarray(0.5 * (1.0 - np.cos(np.pi * (np.arange(count) + 0.5) / count)))
 
 

@@ -28,14 +28,14 @@ KEYS = (
     "highest",
 )
 OPTIONAL = ("title", "permittivity_fall")
-SOURCES = ("film.py", "ritz_solver.py", "surrogate.py", "tables.py")
+SOURCES = ("film.py", "measured.py", "ritz_solver.py", "surrogate.py", "tables.py")
 NODES = (24, 16)
 CELLS_X = 30
 CELLS_E = 20
 
 
 def made(materials: str) -> str:
-    """JSON text of the tables of all films of a materials file, by direct solution.
+    """JSON text of the tables of all films of a materials file, by direct solution or measured.
 
     Needs numpy; takes about half a second a film. Raises `ValueError` where a film is not
     described whole, or has no stable equilibrium over the range that its entry asks for.
@@ -44,10 +44,16 @@ def made(materials: str) -> str:
 
 
 def _solved(materials: str) -> str:
+    from .measured import MAP_KEYS, measured_table
     from .surrogate import Range, group, table
 
     tables = []
-    for data, film in described(materials):
+    for name, data in tomllib.loads(materials).items():
+        if "measured" in data:
+            _check_keys(name, data, MAP_KEYS)
+            tables.append(measured_table(data, NODES, (CELLS_X, CELLS_E)))
+            continue
+        film = film_of(name, data)
         loading = group(film, data["voltage"])
         span = Range(data["lowest"], data["highest"], loading, NODES, (CELLS_X, CELLS_E))
         tables.append(table(film, span))
@@ -55,30 +61,36 @@ def _solved(materials: str) -> str:
 
 
 def described(materials: str) -> list[tuple[dict[str, Any], Film]]:
-    """The entries of a materials file with their films; `ValueError` where one is not whole."""
+    """The entries of a materials file with their films; `ValueError` where one has none."""
+    return [(data, film_of(name, data)) for name, data in tomllib.loads(materials).items()]
+
+
+def film_of(name: str, data: dict[str, Any]) -> Film:
+    """The film of an entry of a materials file; `ValueError` where it is not described whole."""
     from .film import Film
 
-    found = []
-    for name, data in tomllib.loads(materials).items():
-        missing = [key for key in KEYS if key not in data]
-        if missing:
-            raise ValueError(f"film {name}: {', '.join(missing)} is missing")
-        if strange := sorted(set(data) - {*KEYS, *OPTIONAL}):
-            closest = get_close_matches(strange[0], [*KEYS, *OPTIONAL], n=1)
-            hint = f"; did you mean {closest[0]}?" if closest else ""
-            raise ValueError(f"film {name}: {strange[0]} is not known{hint}")
-        film = Film(
-            inner_radius=data["inner_radius"],
-            outer_radius=data["outer_radius"],
-            thickness=data["thickness"],
-            moduli=tuple(data["moduli"]),
-            exponents=tuple(data["exponents"]),
-            permittivity=data["permittivity"],
-            prestretch=data["prestretch"],
-            permittivity_fall=data.get("permittivity_fall", 0.0),
-        )
-        found.append((data, film))
-    return found
+    _check_keys(name, data, KEYS)
+    return Film(
+        inner_radius=data["inner_radius"],
+        outer_radius=data["outer_radius"],
+        thickness=data["thickness"],
+        moduli=tuple(data["moduli"]),
+        exponents=tuple(data["exponents"]),
+        permittivity=data["permittivity"],
+        prestretch=data["prestretch"],
+        permittivity_fall=data.get("permittivity_fall", 0.0),
+    )
+
+
+def _check_keys(name: str, data: dict[str, Any], wanted: tuple[str, ...]) -> None:
+    """`ValueError` where a key is missing, or is none."""
+    missing = [key for key in wanted if key not in data]
+    if missing:
+        raise ValueError(f"film {name}: {', '.join(missing)} is missing")
+    if strange := sorted(set(data) - {*wanted, *OPTIONAL}):
+        closest = get_close_matches(strange[0], [*wanted, *OPTIONAL], n=1)
+        hint = f"; did you mean {closest[0]}?" if closest else ""
+        raise ValueError(f"film {name}: {strange[0]} is not known{hint}")
 
 
 FILMS: tuple[str, ...] = tuple(tomllib.loads(MATERIALS.read_text(encoding="utf-8")))

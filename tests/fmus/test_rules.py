@@ -18,7 +18,7 @@ ROOT = Path(fmus.__file__).parent
 EXEMPT = {"monolith", "native", "export"}
 BUILD_TIME = {
     *("__init__.py", "slave.py", "film.py", "ritz_solver.py", "surrogate.py", "tables.py"),
-    *("data.py", "generate.py"),
+    *("data.py", "generate.py", "measured.py"),
 }
 FILES = [
     path

@@ -98,7 +98,7 @@ BAD = {
     ),
     "scheduled execution": (
         described(ALONE.replace(FMU, f'{FMU} implementation="ScheduledExecution"')),
-        "for ScheduledExecution only",
+        "The value 'ScheduledExecution'",
     ),
     "no fmu at all": (
         described(ALONE.replace("x-fmu-sharedlibrary", "x-python")), "is of type",
