@@ -27,6 +27,8 @@ MOST_STEPS = 100_000
 """Internal steps of CVODE in a communication step."""
 MOST_EVENTS = 100
 """Rounds in which the values of one event have to settle."""
+MOST_STOPS = 10_000
+"""Events in one communication step: beyond them the model does not get on."""
 GRAIN = 1.0e-12
 """Share of a communication step that is no step any more."""
 POINTER = ctypes.c_void_p
@@ -79,7 +81,7 @@ class Integrated(InProcessInstance):
         least = GRAIN * size
         self._set_time(time)
         self._settle()
-        now = time
+        now, stops = time, 0
         while now < end - least:
             self._call(self._named("EnterContinuousTimeMode", POINTER))
             solver = self._at(now)
@@ -96,6 +98,12 @@ class Integrated(InProcessInstance):
                 self._set_time(now)
             self._enter_event_mode()
             self._settle()
+            stops += 1
+            if stops > MOST_STOPS:
+                raise InstanceFailure(
+                    f"{self.name}: more than {MOST_STOPS} events up to t = {now:.9g} s: the model"
+                    " does not get on"
+                )
 
     def _at(self, time: float) -> Any:
         """CVODE at a time, from the states that the instance has now."""

@@ -86,6 +86,18 @@ def test_a_ball_bounces_at_its_times(tmp_path: Path, version: int) -> None:
     assert found.series("ball.bounces").tolist() == counted
 
 
+def test_a_ball_that_bounces_without_end_is_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All bounces are over at 2.56 s; rows up to that step are kept."""
+    monkeypatch.setattr("orchestrator.fmi.instance.integrated.MOST_STOPS", 200)
+    fmu = exchanged("BALL", tmp_path)
+    path = scenario(tmp_path, part("ball", fmu, isolate=False), stop=3.0, step=0.1)
+    found = run(load(str(path)), estimate=False)
+    assert "more than 200 events up to t = 2.558" in str(found.failure)
+    assert found.times[-1] == pytest.approx(2.5)
+
+
 @each_version
 def test_time_events_are_stepped_to(tmp_path: Path, version: int) -> None:
     fmu = exchanged("CLOCK", tmp_path, version)
