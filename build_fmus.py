@@ -105,9 +105,11 @@ def build_own(
     """Build a part of one's own in each kind, hold each to the reference answer, put all in place.
 
     Where one of them fails none is put there: an FMU of an older text stays beside its twin of the
-    same text. Raises :class:`BuildError` as :func:`build`, and where an FMU is further off its
-    reference answer than the part's accuracy.
+    same text. A folder `into` takes one kind. Raises :class:`BuildError` as :func:`build`, and
+    where an FMU is further off its reference answer than the part's accuracy.
     """
+    if into is not None and len(natives) > 1:
+        raise BuildError(f"{into}: takes one kind of FMU, as both have the same name")
     part = load_part(folder)
     if not part.needs:
         _check_rules(part)
