@@ -47,9 +47,7 @@ def run(
     fmus: common.Library = common.BUILT,
     native: common.Native = None,
     picture: Annotated[bool, typer.Option(help="Draw a PNG beside the result.")] = True,
-    html: Annotated[
-        bool, typer.Option("--html", help="Write a report beside the result, as one HTML page.")
-    ] = False,
+    html: common.Html = None,
     json: common.Json = False,
     quiet: common.Quiet = False,
     verbose: Annotated[
@@ -62,6 +60,7 @@ def run(
 
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz"
     """
+    from ..report.page import prepare as prepare_page
     from ..results.kept_aside import keep_other
     from ..results.netcdf import partial_path, prepare, provenance, segments_for, write
     from ..simulation.accuracy import meaningless
@@ -75,6 +74,8 @@ def run(
         parts = common.library(fmus, native)
         plan = load(scenario, common.assignments(set_), parts, **options)
         prepare(target)
+        if html is not None:
+            prepare_page(html)
         interrupt.check()
         if output is None:
             keep_other(target, provenance(plan))
@@ -93,10 +94,8 @@ def run(
         if target.exists():
             kept += f"; {target} is still the result of an earlier run"
         common.fail(f"{outcome.failure}; {kept}", getattr(outcome.failure, "exit_code", 1))
-    report = _page(outcome, written) if html else None
-    _show(
-        outcome, written, report, plot=picture and not html, json=json, quiet=quiet, verbose=verbose
-    )
+    report = _page(outcome, written, html) if html is not None else None
+    _show(outcome, written, report, plot=picture, json=json, quiet=quiet, verbose=verbose)
     reason = meaningless(outcome)
     if reason:
         common.fail(f"{reason}; {written} is whole", 1)
@@ -118,8 +117,8 @@ def recover(
         common.fail(f"{folder}: damaged, their rows are lost: {', '.join(lost)}", 1)
 
 
-def _page(outcome: Outcome, written: Path) -> Path:
-    """Write the report of a run as a page beside its result."""
+def _page(outcome: Outcome, written: Path, path: Path) -> Path:
+    """Write the report of a run as a page."""
     from ..errors import OutputError
     from ..report.page import write
     from ..results.metrics import metrics
@@ -127,7 +126,6 @@ def _page(outcome: Outcome, written: Path) -> Path:
     from ..simulation.run_page import page
 
     data = read_recorded(written) if outcome.segments else recorded(outcome)
-    path = written.with_suffix(".html")
     try:
         return write(page(outcome, data, metrics(data)), path)
     except OutputError as error:

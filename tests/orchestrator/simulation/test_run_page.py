@@ -75,17 +75,17 @@ def test_what_it_was_made_of_is_said(outcome: Outcome, shown: lxml.html.HtmlElem
     assert "0.24626 N" in text
 
 
-def test_the_command_writes_it_beside_the_result(library: Path, tmp_path: Path) -> None:
-    target = tmp_path / "a.nc"
-    options = ["--fmus", str(library), "--stop", "4 cycles", "--output", str(target), "--html"]
-    done = CliRunner().invoke(app, ["run", "oscillator-1", *options, "--json"])
+def test_the_command_writes_it(library: Path, tmp_path: Path) -> None:
+    """And refuses a place for it before anything runs."""
+    options = ["--fmus", str(library), "--stop", "4 cycles", "--no-picture"]
+    options += ["--output", str(tmp_path / "a.nc"), "--html"]
+    wanted = tmp_path / "pages" / "a.html"
+    done = CliRunner().invoke(app, ["run", "oscillator-1", *options, str(wanted), "--json"])
     assert done.exit_code == 0, done.output
-    facts = json.loads(done.stdout)
-    assert facts["page"] == str(tmp_path / "a.html")
-    assert facts["picture"] is None
-    assert "Metrics" in (tmp_path / "a.html").read_text()
-    (tmp_path / "b.html").mkdir()
-    options[options.index(str(target))] = str(tmp_path / "b.nc")
-    refused = CliRunner().invoke(app, ["run", "oscillator-1", *options])
+    assert json.loads(done.stdout)["page"] == str(wanted)
+    assert "Metrics" in wanted.read_text()
+    (tmp_path / "a.nc").unlink()
+    refused = CliRunner().invoke(app, ["run", "oscillator-1", *options, str(tmp_path / "a.pdf")])
     assert refused.exit_code == 2
-    assert "b.nc is whole" in " ".join(refused.output.split())
+    assert "name it *.html" in " ".join(refused.output.split())
+    assert not (tmp_path / "a.nc").exists()
