@@ -56,7 +56,10 @@ class Component:
 
 @dataclass(frozen=True)
 class System:
-    """Components and systems with their connections; `inputs` and `outputs` are its own."""
+    """Components and systems with their connections; `inputs` and `outputs` are its own.
+
+    `settable` are those that may be given a value, inputs and parameters, each with its unit.
+    """
 
     name: str
     components: list[Component]
@@ -64,6 +67,7 @@ class System:
     connections: list[Connection]
     values: list[Value]
     inputs: list[str] = field(default_factory=list)
+    settable: dict[str, str] = field(default_factory=dict)
     outputs: list[str] = field(default_factory=list)
 
 
@@ -137,8 +141,19 @@ class Reader:
             connections=list(self._connections(element)),
             values=self._values(element),
             inputs=[str(c.get("name")) for c in connectors if c.get("kind") == "input"],
+            settable={
+                str(c.get("name")): self._unit(c)
+                for c in connectors
+                if c.get("kind") in {"input", "parameter", "structuralParameter", "inout"}
+            },
             outputs=[str(c.get("name")) for c in connectors if c.get("kind") == "output"],
         )
+
+    def _unit(self, connector: Any) -> str:
+        """Unit that a connector's type gives, as it is defined; "" where it gives none."""
+        units = [each.get("unit") for each in connector if local(each)]
+        unit = next((unit for unit in units if unit), "")
+        return self._units.get(unit, unit)
 
     def _children(self, element: Any, name: str) -> Iterator[Any]:
         """Elements under a child of this name; comments are left out."""

@@ -28,13 +28,37 @@ class Joint:
 class Flat:
     """All components by their paths, what joins them, and parameters by component and name.
 
-    `outputs` are the outputs of components that the outermost system gives as its own.
+    `outputs` are the outputs of components that the outermost system gives as its own. `settable`
+    are the inputs and parameters of systems with their units, `reached` what each of them that
+    nothing feeds gives its value to: joints whose source is the system's connector.
     """
 
     components: dict[Path, Component]
     joints: list[Joint]
     values: dict[Path, dict[str, Value]]
     outputs: list[Node]
+    settable: dict[Node, str]
+    reached: dict[Node, list[Joint]]
+
+    def put(self, path: Path, value: Value) -> bool:
+        """Set what a value names, seen from a system; whether there is such a thing.
+
+        A component's variable, or a connector of a system, whose value goes where it leads.
+        """
+        inner = tuple(value.name.split("."))
+        for k in range(len(inner) - 1, 0, -1):
+            target = (*path, *inner[:k])
+            if target in self.values:
+                name = ".".join(inner[k:])
+                self.values[target][name] = Value(name, value.value, value.kind, value.unit)
+                return True
+        node = ((*path, *inner[:-1]), inner[-1])
+        if node not in self.settable:
+            return False
+        for joint in self.reached.get(node, []):
+            owner, name = joint.target
+            self.values[owner][name] = _passed(value, self.settable[node], joint)
+        return True
 
 
 def flattened(where: str, system: System) -> Flat:
@@ -46,19 +70,76 @@ def flattened(where: str, system: System) -> Flat:
         if end in feeding:
             problems.add(_shown(end), "is fed twice")
         feeding[end] = (start, connection)
-    joints = []
+    settable = {
+        (path, name): unit
+        for path, inner in _systems(system, ())
+        for name, unit in inner.settable.items()
+    }
+    joints: list[Joint] = []
+    reached: dict[Node, list[Joint]] = {}
     for node in feeding:
         if node[0] in components:
             joint = _traced(node, feeding, components, problems)
-            if joint is not None:
+            if joint is None:
+                continue
+            if joint.source[0] in components:
                 joints.append(joint)
+            else:
+                reached.setdefault(joint.source, []).append(joint)
     outputs = []
     for name in system.outputs:
         joint = _traced(((), name), feeding, components, problems)
-        if joint is not None:
+        if joint is not None and joint.source[0] in components:
             outputs.append(joint.source)
+    values: dict[Path, dict[str, Value]] = {
+        path: {value.name: value for value in component.values}
+        for path, component in components.items()
+    }
+    flat = Flat(components, joints, values, outputs, settable, reached)
+    _put_all(flat, system, where)
+    bound = _bound(system)
+    inputs = {(path, name) for path, inner in _systems(system, ()) for name in inner.inputs}
+    for node, each in reached.items():
+        if node[0] and node in inputs and node not in bound:
+            for joint in each:
+                shown = f"nothing feeds {_shown(node)}, which it comes from"
+                problems.add(_shown(joint.target), shown)
     problems.check()
-    return Flat(components, joints, dict(_values(system, components, where)), outputs)
+    return flat
+
+
+def _put_all(flat: Flat, system: System, where: str) -> None:
+    """Values of systems over those of components, the outer ones last: they override."""
+    for path, around in sorted(_systems(system, ()), key=lambda pair: -len(pair[0])):
+        for value in around.values:
+            if not flat.put(path, value):
+                raise ScenarioError(
+                    f"{where}: parameter {printable(value.name)!r} does not belong to a"
+                    f" component of {printable(around.name)!r}"
+                )
+
+
+def _bound(system: System) -> set[Node]:
+    """Connectors of systems that a value is bound to, also from further out."""
+    found = set()
+    for path, around in _systems(system, ()):
+        for value in around.values:
+            inner = tuple(value.name.split("."))
+            found.add(((*path, *inner[:-1]), inner[-1]))
+    return found
+
+
+def _passed(value: Value, unit: str, joint: Joint) -> Value:
+    """A connector's value as it arrives: in the connector's unit where it has none of its own."""
+    new = value.value
+    if not isinstance(new, bool | str):
+        new = joint.gain * new + joint.offset
+    elif (joint.gain, joint.offset) != (1.0, 0.0):
+        raise ScenarioError(
+            f"{_shown(joint.target)}: {printable(value.name)} is no number to scale"
+        )
+    kept = (value.unit or unit) if joint.converts else ""
+    return Value(joint.target[1], new, value.kind, kept)
 
 
 def _components(system: System, path: Path) -> Iterator[tuple[Path, Component]]:
@@ -85,7 +166,7 @@ def _traced(
     components: dict[Path, Component],
     problems: Problems,
 ) -> Joint | None:
-    """The joint that ends at a node; None where an input of the outermost system feeds it."""
+    """The joint that ends at a node, from an output or a system's connector that nothing feeds."""
     gain, offset, converts = 1.0, 0.0, True
     here = node
     seen = {node}
@@ -101,39 +182,7 @@ def _traced(
             return None
         seen.add(start)
         here = start
-    if here[0]:
-        problems.add(_shown(node), f"nothing feeds {_shown(here)}, which it comes from")
-    return None
-
-
-def _values(
-    system: System, components: dict[Path, Component], where: str
-) -> Iterator[tuple[Path, dict[str, Value]]]:
-    """Parameters of each component: its own, then those of systems around it, which override."""
-    found: dict[Path, dict[str, Value]] = {path: {} for path in components}
-    for path, component in components.items():
-        found[path].update({value.name: value for value in component.values})
-    for path, around in sorted(_systems(system, ()), key=lambda pair: -len(pair[0])):
-        for value in around.values:
-            inner = tuple(value.name.split("."))
-            target = next(
-                (
-                    (*path, *inner[:k])
-                    for k in range(len(inner) - 1, 0, -1)
-                    if (*path, *inner[:k]) in components
-                ),
-                None,
-            )
-            if target is None:
-                if value.name in around.inputs:
-                    continue
-                raise ScenarioError(
-                    f"{where}: parameter {printable(value.name)!r} does not belong to a"
-                    f" component of {printable(around.name)!r}"
-                )
-            name = ".".join(inner[len(target) - len(path) :])
-            found[target][name] = Value(name, value.value, value.kind, value.unit)
-    yield from found.items()
+    return None if here == node else Joint(here, node, gain, offset, converts)
 
 
 def _systems(system: System, path: Path) -> Iterator[tuple[Path, System]]:

@@ -115,18 +115,12 @@ def _validate(where: str, root: Any) -> None:
 def _override(flat: Flat, values: list[Value], where: str) -> None:
     """Put the values of a set in the place of those bound."""
     for value in values:
-        parts = value.name.split(".")
-        for k in range(len(parts) - 1, 0, -1):
-            target = tuple(parts[:k])
-            if target in flat.values:
-                name = ".".join(parts[k:])
-                flat.values[target][name] = Value(name, value.value, value.kind, value.unit)
-                break
-        else:
+        if not flat.put((), value):
             known = [".".join(path) for path in flat.components]
+            known += [".".join((*path, name)) for path, name in flat.settable]
             raise ScenarioError(
                 f"{where}: parameter {printable(value.name)!r} does not belong to a component;"
-                f" {nearest(parts[0], known)}"
+                f" {nearest(value.name.split('.')[0], known)}"
             )
 
 

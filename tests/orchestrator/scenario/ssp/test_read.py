@@ -142,6 +142,64 @@ def test_systems_in_systems_become_one(tmp_path: Path, native: Path) -> None:
     assert outcome.series("bench_load.displacement") == pytest.approx(expected)
 
 
+CONNECTED = f"""
+<ssd:System name="top">
+ {connectors(heavy="parameter", push="input")}
+ {bound(real("heavy", 4.0), real("push", 6.0, "mN"), real("bench.start", 2.0))}
+ <ssd:Elements>
+  <ssd:System name="bench">
+   {connectors(weight="parameter", pull="input", start="parameter", unused="parameter")}
+   {bound(real("pull", 1.0, "N"), real("start", 9.0))}
+   <ssd:Elements>
+    {component("load", "resources/payload.fmu", connectors(force__value="input"))}
+   </ssd:Elements>
+   <ssd:Connections>
+    {joined(":weight", "load:mass", '<ssc:LinearTransformation factor="0.5"/>')}
+    {joined(":pull", "load:force.value")}
+    {joined(":start", "load:start_displacement")}
+    {joined(":unused", "load:gravity")}
+   </ssd:Connections>
+  </ssd:System>
+ </ssd:Elements>
+ <ssd:Connections>
+  {joined(":heavy", "bench:weight")}
+  {joined(":push", "bench:pull")}
+ </ssd:Connections>
+</ssd:System>""".replace(
+    '<ssd:Connector name="heavy" kind="parameter"><ssc:Real/>',
+    '<ssd:Connector name="heavy" kind="parameter"><ssc:Real unit="g"/>',
+)
+
+
+def test_values_of_a_systems_connectors_go_where_they_lead(
+    library: Path, tmp_path: Path, cache: Path
+) -> None:
+    """Nested, scaled on the way, in the connector's unit; what feeds a connector comes first."""
+    units = (
+        '<ssd:Units><ssc:Unit name="g"><ssc:BaseUnit kg="1" factor="0.001"/></ssc:Unit></ssd:Units>'
+    )
+    path = packed(
+        tmp_path / "c.ssp", described(CONNECTED, tail=units + SPAN),
+        resources_payload__fmu=library / "payload.fmu",
+        resources_other__ssv=f'''<?xml version="1.0"?><ssv:ParameterSet {SPACES} version="1.0"
+            name="o"><ssv:Parameters>{real("push", 1.0, "mN")}{real("heavy", 8.0)}
+            </ssv:Parameters></ssv:ParameterSet>'''.encode(),
+    )  # fmt: skip
+    plan = load(str(path))
+    assert plan.starts["bench_load"]["mass"] == pytest.approx(0.5 * 4e-3)
+    assert plan.starts["bench_load"]["start_displacement"] == pytest.approx(2.0)
+    assert plan.held["bench_load.force.value"] == pytest.approx(6e-3)
+    assert "gravity" not in plan.starts["bench_load"]
+    other = load(f"{path}:other")
+    assert other.held["bench_load.force.value"] == pytest.approx(1e-3)
+    assert other.starts["bench_load"]["mass"] == pytest.approx(0.5 * 8e-3)
+    wrong = CONNECTED.replace('name="heavy"><ssv', 'name="heave"><ssv')
+    packed(path, described(wrong, tail=units + SPAN),
+           resources_payload__fmu=library / "payload.fmu")  # fmt: skip
+    with pytest.raises(ScenarioError, match="parameter 'heave' does not belong to a component"):
+        load(str(path))
+
+
 def test_a_parameter_set_in_a_file_with_a_mapping_and_a_prefix(
     library: Path, tmp_path: Path
 ) -> None:
