@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 import tomllib
+from functools import cache, lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -11,17 +13,21 @@ from typing import Any
 from ..errors import ScenarioError, nearest, printable
 
 LARGEST_FILE = 1 << 20
+KEPT = 64
+"""Texts of scenarios whose trees are kept: those of a study and what they extend."""
 SSP = re.compile(r"(.+\.ssp)(?::(.+))?")
 """An SSP archive, and which of its variants or parameter sets."""
 
 
 def scenario_names() -> list[str]:
     """Names of the scenarios that come with the package."""
-    return sorted(
-        path.name.removesuffix(".toml")
-        for path in _shipped().iterdir()
-        if path.name.endswith(".toml")
-    )
+    return list(_shipped_names())
+
+
+@cache
+def _shipped_names() -> tuple[str, ...]:
+    names = (path.name for path in _shipped().iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml")))
 
 
 def _shipped() -> Any:
@@ -98,11 +104,18 @@ def read_toml(path: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path}: cannot be read as UTF-8 text ({error})") from None
     try:
-        return tomllib.loads(text)
+        tree: dict[str, Any] = pickle.loads(_parsed(text))
+        return tree
     except tomllib.TOMLDecodeError as error:
         raise ScenarioError(f"{path}: not TOML: {_caret(text, str(error))}") from None
     except (RecursionError, ValueError) as error:
         raise ScenarioError(f"{path}: not TOML that can be read: {type(error).__name__}") from None
+
+
+@lru_cache(maxsize=KEPT)
+def _parsed(text: str) -> bytes:
+    """The tree of a TOML text, packed: a study reads the same few files for each of its runs."""
+    return pickle.dumps(tomllib.loads(text))
 
 
 def _caret(text: str, message: str) -> str:
