@@ -104,7 +104,8 @@ def read_toml(path: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path}: cannot be read as UTF-8 text ({error})") from None
     try:
-        tree: dict[str, Any] = pickle.loads(_parsed(text))
+        packed = _packed(text)
+        tree: dict[str, Any] = pickle.loads(packed) if packed else tomllib.loads(text)
         return tree
     except tomllib.TOMLDecodeError as error:
         raise ScenarioError(f"{path}: not TOML: {_caret(text, str(error))}") from None
@@ -113,9 +114,15 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=KEPT)
-def _parsed(text: str) -> bytes:
-    """The tree of a TOML text, packed: a study reads the same few files for each of its runs."""
-    return pickle.dumps(tomllib.loads(text))
+def _packed(text: str) -> bytes:
+    """The tree of a TOML text, packed: a study reads the same few files for each of its runs.
+
+    Empty where the tree is too deep to be packed.
+    """
+    try:
+        return pickle.dumps(tomllib.loads(text))
+    except RecursionError:
+        return b""
 
 
 def _caret(text: str, message: str) -> str:
