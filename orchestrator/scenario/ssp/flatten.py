@@ -89,8 +89,13 @@ def flattened(where: str, system: System) -> Flat:
     outputs = []
     for name in system.outputs:
         joint = _traced(((), name), feeding, components, problems)
-        if joint is not None and joint.source[0] in components:
+        if joint is None:
+            continue
+        if joint.source[0] in components:
             outputs.append(joint.source)
+        elif joint.source[0]:
+            shown = f"nothing feeds {_shown(joint.source)}, which it comes from"
+            problems.add(_shown(joint.target), shown)
     values: dict[Path, dict[str, Value]] = {
         path: {value.name: value for value in component.values}
         for path, component in components.items()
@@ -100,7 +105,8 @@ def flattened(where: str, system: System) -> Flat:
     bound = _bound(system)
     inputs = {(path, name) for path, inner in _systems(system, ()) for name in inner.inputs}
     for node, each in reached.items():
-        if node[0] and node in inputs and node not in bound:
+        left_out = node in settable and node not in inputs
+        if node[0] and not left_out and node not in bound:
             for joint in each:
                 shown = f"nothing feeds {_shown(node)}, which it comes from"
                 problems.add(_shown(joint.target), shown)
