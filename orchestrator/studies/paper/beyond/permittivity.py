@@ -39,7 +39,7 @@ def permittivity(cached_runs: CachedRuns) -> Comparison:
     )
     words = (
         "The relative permittivity of a film is taken as eps (1 - k (l1 l2 - 1)), with l1 l2 the"
-        " stretch of the area and k = 0.37; k = 0 is the film of the scenarios. Energy, force and"
+        " stretch of the area and k = 0.22; k = 0 is the film of the scenarios. Energy, force and"
         " charge still come from one potential. With k the other numbers were fitted again to the"
         f" same data: {told}.",
         "One parameter more mends most of table 1's displacements, figure 3 and figure 9, which the"
