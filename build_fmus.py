@@ -23,8 +23,8 @@ from typing import Annotated, Any
 
 import typer
 
-from fmus.export.archive import Built
-from fmus.export.build import NATIVE, OUTPUT, build_part, has_compiler
+from fmus.export.archive import Built, put
+from fmus.export.build import NATIVE, OUTPUT, build_part, has_compiler, place_of
 from fmus.export.new_part import new_part
 from fmus.export.outside import is_folder
 from fmus.export.sources import BuildError, compilable, load_part, nearest, part_names
@@ -71,7 +71,7 @@ def build(
     if recording is not None:
         starts = recorded_starts(part, recording) | starts
         files = recorded_files(recording)
-    target = (into or (NATIVE if native else OUTPUT)) / f"{alias or part.name}.fmu"
+    target = place_of(alias or part.name, native=native, into=into)
     foreign = target.is_file() and not is_built_here(digest_of(target))
     built = build_part(
         part,
@@ -117,8 +117,8 @@ def build_own(
     made: list[tuple[Built, Path]] = []
     with tempfile.TemporaryDirectory(prefix="resilin_build_") as waiting:
         for native in natives:
-            place = (into or (NATIVE if native else OUTPUT)) / f"{part.name}.fmu"
-            own = Path(waiting) / ("native" if native else "python")
+            place = place_of(part.name, native=native, into=into)
+            own = Path(waiting) / ("compiled" if native else "Python")
             own.mkdir()
             if place.is_file():
                 shutil.copyfile(place, own / place.name)
@@ -129,10 +129,7 @@ def build_own(
                 _check_answer(part, built.path, reference)
             made.append((built, place))
         for built, place in made:
-            place.parent.mkdir(parents=True, exist_ok=True)
-            partial = place.with_name(f".{place.name}.part")
-            shutil.copyfile(built.path, partial)
-            partial.replace(place)
+            put(built.path, place)
     return [replace(built, path=place) for built, place in made]
 
 
@@ -156,10 +153,10 @@ def _check_answer(part: Any, fmu: Path, reference: Path) -> None:
     except ResilinError as error:
         raise BuildError(str(error)) from None
     if found.error > part.accuracy:
-        kind = fmu.parent.name.replace("native", "compiled").replace("python", "Python")
         raise BuildError(
-            f"{part.name}, {kind}: {found.variable} = {found.ours:.9g} at t = {found.time:g} s,"
-            f" where {reference} has {found.reference:.9g}; no FMU was put in place"
+            f"{part.name}, {fmu.parent.name}: {found.variable} = {found.ours:.9g}"
+            f" at t = {found.time:g} s, where {reference} has {found.reference:.9g};"
+            " no FMU was put in place"
         )
 
 
@@ -365,38 +362,39 @@ def build_command(
         record = None
         if recording is not None:
             parts, record, set_ = _replayed(parts, recording, alias, set_)
-        wanted = list(parts or (compilable() if native else part_names()))
-        names = {name: load_part(name).name for name in wanted}
-        changes = _assignments(set_ or [], list(names.values()))
+        wanted = {
+            name: load_part(name) for name in parts or (compilable() if native else part_names())
+        }
+        changes = _assignments(set_ or [], [part.name for part in wanted.values()])
         if alias and len(wanted) != 1:
             raise BuildError("--as names one FMU: give exactly one part")
         if (changes or data) and not alias:
             raise BuildError("--set and --data make a variant: name it with --as")
         kinds = _kinds(native, into)
         done: list[tuple[str, Built]] = []
-        for name in wanted:
-            own = is_folder(name) and not (alias or changes or data)
-            mine = [k for k in kinds if k == "Python" or native or not load_part(name).needs]
-            if own:
+        for name, part in wanted.items():
+            mine = [kind for kind in kinds if kind == "Python" or native or not part.needs]
+            if is_folder(name) and not (alias or changes or data):
                 natives = [kind == "compiled" for kind in mine]
                 found = build_own(
                     name, natives=natives, into=into, force=force, platforms=platform or ()
                 )
-                done += zip(mine, found, strict=True)
-                continue
-            for kind in mine:
-                made = build(
-                    name,
-                    alias=alias,
-                    changes=changes.get(names[name]),
-                    data=data,
-                    recording=record,
-                    into=into,
-                    force=force,
-                    native=kind == "compiled",
-                    platforms=platform or (),
-                )
-                done.append((kind, made))
+            else:
+                found = [
+                    build(
+                        name,
+                        alias=alias,
+                        changes=changes.get(part.name),
+                        data=data,
+                        recording=record,
+                        into=into,
+                        force=force,
+                        native=kind == "compiled",
+                        platforms=platform or (),
+                    )
+                    for kind in mine
+                ]
+            done += zip(mine, found, strict=True)
     except (BuildError, OSError) as error:
         for line in str(error).splitlines():
             typer.echo(f"build: {line}", err=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,6 +36,14 @@ def seal(raw: Path, sealed: Path) -> None:
             if name == "modelDescription.xml":
                 text = b"\n".join(line for line in text.splitlines() if line.strip()) + b"\n"
             target.writestr(info, text)
+
+
+def put(fmu: Path, place: Path) -> None:
+    """Copy an FMU to its place, where it appears whole or not at all."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    partial = place.with_name(f".{place.name}.part")
+    shutil.copyfile(fmu, partial)
+    partial.replace(place)
 
 
 def problems_of(path: Path) -> list[str]:

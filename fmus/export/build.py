@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import tempfile
 import uuid
 from collections.abc import Iterable
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..units import exponents
-from .archive import Built, described, guid_in, problems_of, seal
+from .archive import Built, described, guid_in, problems_of, put, seal
 from .sources import BuildError, digest_of, nearest, source_files
 from .staging import compiled, export, stage
 
@@ -47,6 +46,11 @@ def has_compiler() -> bool:
     return True
 
 
+def place_of(title: str, *, native: bool, into: Path | None) -> Path:
+    """Where an FMU of this name goes."""
+    return (into or (NATIVE if native else OUTPUT)) / f"{title}.fmu"
+
+
 def build_part(
     part: Any,
     *,
@@ -68,7 +72,6 @@ def build_part(
     """
     from importlib.metadata import version
 
-    into = into or (NATIVE if native else OUTPUT)
     wanted = list(platforms)
     if wanted and not native:
         raise BuildError("--platform goes with --native: the Python FMUs run on every platform")
@@ -76,13 +79,13 @@ def build_part(
     title = alias or part.name
     if not title.isidentifier():
         raise BuildError(f"{title!r} cannot name an FMU: use letters, digits and underscores")
+    target = place_of(title, native=native, into=into)
     check_description(part)
     starts = starts or {}
     sources = _sources(part, data) | (files or {})
     alike = digest_of(title, sources, starts, [])
     digest = digest_of(title, sources, starts, exporter)
     guid = str(uuid.UUID(digest[:32]))
-    target = into / f"{title}.fmu"
     if not force and guid_in(target) == guid:
         return described(title, target, guid, fresh=False)
     for path, (origin, make) in part.generated.items():
@@ -101,10 +104,7 @@ def build_part(
         problems = problems_of(sealed)
         if problems:
             raise BuildError(f"{title}: {problems[0]}")
-        into.mkdir(parents=True, exist_ok=True)
-        partial = into / f".{title}.fmu.part"
-        shutil.copyfile(sealed, partial)
-        partial.replace(target)
+        put(sealed, target)
     return described(title, target, guid, fresh=True)
 
 

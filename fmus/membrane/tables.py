@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import tomllib
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,6 +87,8 @@ def _check_keys(name: str, data: dict[str, Any], wanted: tuple[str, ...]) -> Non
     if missing:
         raise ValueError(f"film {name}: {', '.join(missing)} is missing")
     if strange := sorted(set(data) - {*wanted, *OPTIONAL}):
+        from difflib import get_close_matches
+
         closest = get_close_matches(strange[0], [*wanted, *OPTIONAL], n=1)
         hint = f"; did you mean {closest[0]}?" if closest else ""
         raise ValueError(f"film {name}: {strange[0]} is not known{hint}")

@@ -42,7 +42,6 @@ def parts(
 
 def show(part: str, library: Path, json: bool) -> None:
     """Print what a part offers, given by name or as a file."""
-    from ..fmi.instance.integrated import TOLERANCE
     from ..scenario.part_inspection import description_of, part_facts, part_tables
     from ..scenario.plan import interface_of
 
@@ -52,6 +51,8 @@ def show(part: str, library: Path, json: bool) -> None:
         return
     typer.echo(f"{interface.path}: {description_of(interface.path)}")
     if interface.model_exchange:
+        from ..fmi.instance.integrated import TOLERANCE
+
         typer.echo(f"for model exchange: CVODE integrates it, relative tolerance {TOLERANCE:g}")
     for table in part_tables(interface):
         common.console().print(table)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ..errors import printable
 from ..report.notebook import LONGEST, Card
 from ..report.table import Cell, Column, Table, quantity
-from .metrics import metrics
+from .metrics import Metric, metrics
 from .outcome import Outcome
 
 
@@ -21,29 +21,39 @@ def card(outcome: Outcome) -> Card:
 def _lines(outcome: Outcome) -> Iterator[str]:
     if outcome.failure is not None:
         yield f"stopped: {printable(str(outcome.failure), most=LONGEST)}; {outcome.kept} rows kept"
-    rejected = f" and {outcome.rejected} rejected" if outcome.rejected else ""
-    speed = outcome.simulated / outcome.wall_time
-    yield (
-        f"{outcome.steps} communication steps{rejected}, {outcome.simulated:.4g} s simulated in"
-        f" {outcome.wall_time:.2f} s, {speed:.3g} times real time"
-    )
+    yield pace(outcome)
     for place, text in outcome.unseen.items():
         yield f"{printable(place)}: {printable(text, most=LONGEST)}"
     if outcome.doubt:
         yield f"no error estimate: {printable(outcome.doubt, most=LONGEST)}"
 
 
+def pace(outcome: Outcome) -> str:
+    """How many steps a run took, and how fast it was, in one line."""
+    rejected = f" and {outcome.rejected} rejected" if outcome.rejected else ""
+    speed = outcome.simulated / outcome.wall_time
+    return (
+        f"{outcome.steps} communication steps{rejected}, {outcome.simulated:.4g} s simulated in"
+        f" {outcome.wall_time:.2f} s, {speed:.3g} times real time"
+    )
+
+
 def _metrics(outcome: Outcome) -> Iterator[Table]:
     """The metrics, where there are rows to take them from."""
     found = metrics(outcome) if len(outcome.times) else []
     if found:
-        columns = [Column("metric"), Column("value", number=True)]
-        rows = [[Cell(m.name), quantity(m.value, m.shown)] for m in found]
-        if outcome.estimates is not None:
-            columns.append(Column("estimated error", number=True))
-            for row, metric in zip(rows, found, strict=True):
-                row.append(Cell(metric.shown_error))
-        yield Table("metrics", columns, rows)
+        yield metrics_table(found, errors=outcome.estimates is not None)
+
+
+def metrics_table(found: Sequence[Metric], *, errors: bool) -> Table:
+    """Metrics with their values, and with their estimated errors where there are any."""
+    columns = [Column("metric"), Column("value", number=True)]
+    rows = [[Cell(printable(m.name)), quantity(m.value, printable(m.shown))] for m in found]
+    if errors:
+        columns.append(Column("estimated error", number=True))
+        for row, metric in zip(rows, found, strict=True):
+            row.append(Cell(printable(metric.shown_error), metric.error))
+    return Table("metrics", columns, rows)
 
 
 def _recorded(outcome: Outcome) -> Table:

@@ -12,6 +12,7 @@ from ..report.page import Notes, Page, Part, Section, Words
 from ..report.picture import Picture
 from ..report.plot import Axis, Curve, Figure, Plot
 from ..report.table import Cell, Column, Table, quantity
+from ..results.card import metrics_table, pace
 from ..results.metrics import Metric
 from ..results.netcdf import provenance, release
 from ..results.outcome import Outcome
@@ -42,27 +43,12 @@ def page(outcome: Outcome, data: Recorded, metrics: Sequence[Metric]) -> Page:
         ("Laws", plan.scenario.master.laws),
     ]
     title = printable(plan.scenario.title, most=LONGEST) or plan.path.stem
-    return Page(title, _lead(outcome), [each for each in sections if each.parts], facts)
-
-
-def _lead(outcome: Outcome) -> str:
-    rejected = f" and {outcome.rejected} rejected" if outcome.rejected else ""
-    speed = outcome.simulated / outcome.wall_time
-    return (
-        f"{outcome.steps} communication steps{rejected}, {outcome.simulated:.4g} s simulated in"
-        f" {outcome.wall_time:.2f} s, {speed:.3g} times real time."
-    )
+    return Page(title, f"{pace(outcome)}.", [each for each in sections if each.parts], facts)
 
 
 def _metrics(outcome: Outcome, found: Sequence[Metric]) -> Iterator[Part]:
     if found:
-        columns = [Column("Metric"), Column("Value", number=True)]
-        rows = [[Cell(printable(m.name)), quantity(m.value, printable(m.shown))] for m in found]
-        if outcome.estimates is not None:
-            columns.append(Column("Estimated error", number=True))
-            for row, metric in zip(rows, found, strict=True):
-                row.append(Cell(printable(metric.shown_error) or "-", metric.error))
-        yield Table("Over the last cycles", columns, rows)
+        yield metrics_table(found, errors=outcome.estimates is not None)
     told = [printable(str(line), most=LONGEST) for line in warnings(outcome)]
     if told:
         yield Words(("Before trusting the numbers:",))

@@ -98,13 +98,18 @@ def _compiled(
     with tempfile.TemporaryDirectory() as folder:
         table = _table(named(model, version), version, fault)
         Path(folder, "variables.h").write_text(table, encoding="utf-8")
-        target = Path(folder, "library")
-        command = [*_compiler(), *FLAGS, *(f"-D{macro}" for macro in macros)]
-        command += [f"-I{HEADERS}", f"-I{folder}", str(SOURCE), "-o", str(target), "-lm"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise RuntimeError(f"{' '.join(command)}\n{done.stderr}")
-        return target.read_bytes()
+        return compiled(SOURCE, macros, Path(folder))
+
+
+def compiled(source: Path, macros: list[str], folder: Path) -> bytes:
+    """The shared library of a source with these macros; headers are looked for in the folder."""
+    target = folder / "library"
+    command = [*_compiler(), *FLAGS, *(f"-D{macro}" for macro in macros)]
+    command += [f"-I{HEADERS}", f"-I{folder}", str(source), "-o", str(target), "-lm"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)}\n{done.stderr}")
+    return target.read_bytes()
 
 
 def _compiler() -> list[str]:

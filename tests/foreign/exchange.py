@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import subprocess
 import tempfile
 import zipfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import fmpy
 
-from tests.foreign.build import FLAGS, HEADERS, _compiler
+from tests.foreign.build import compiled
 
 SOURCE = Path(__file__).with_name("exchange.c")
 
@@ -75,29 +75,29 @@ def exchanged(model: str, into: Path, version: int = 2, rollback: bool = True) -
 @cache
 def _compiled(model: str, version: int) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder, "library")
-        macros = [f"-DMODEL_{model}", f"-DFMI_VERSION={version}", f'-DTOKEN="{{{model}}}"']
-        flags = [flag for flag in FLAGS if flag != "-fvisibility=hidden"]
-        command = [*_compiler(), *flags, *macros, f"-I{HEADERS}", str(SOURCE), "-o", str(target)]
-        done = subprocess.run([*command, "-lm"], capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise RuntimeError(done.stderr)
-        return target.read_bytes()
+        macros = [f"MODEL_{model}", f"FMI_VERSION={version}", f'TOKEN="{{{model}}}"']
+        return compiled(SOURCE, macros, Path(folder))
+
+
+def _described(facts: Model) -> Iterator[tuple[str, str]]:
+    """Attributes of each variable that both versions write in the same way, and its start."""
+    for k, (variable, (causality, start)) in enumerate(facts.variables.items()):
+        output = causality == "output"
+        variability = ' variability="fixed"' if causality == "parameter" else ""
+        initial = ' initial="calculated"' if output else ""
+        yield (
+            f'name="{variable}" valueReference="{k}" causality="{causality}"{variability}{initial}',
+            "" if output else f' start="{start}"',
+        )
 
 
 def _second(model: str, name: str, rollback: bool) -> str:
     facts = MODELS[model]
     names = list(facts.variables)
-    scalars = []
-    for k, (variable, (causality, start)) in enumerate(facts.variables.items()):
-        output = causality == "output"
-        variability = ' variability="fixed"' if causality == "parameter" else ""
-        initial = ' initial="calculated"' if output else ""
-        given = "" if output else f' start="{start}"'
-        scalars.append(
-            f'<ScalarVariable name="{variable}" valueReference="{k}" causality="{causality}"'
-            f"{variability}{initial}><Real{given}/></ScalarVariable>"
-        )
+    scalars = [
+        f"<ScalarVariable {attributes}><Real{start}/></ScalarVariable>"
+        for attributes, start in _described(facts)
+    ]
     for k, state in enumerate(facts.states):
         derivative = f'<Real derivative="{names.index(state) + 1}"/>'
         scalars.append(
@@ -127,16 +127,7 @@ def _second(model: str, name: str, rollback: bool) -> str:
 def _third(model: str, name: str, rollback: bool) -> str:
     facts = MODELS[model]
     names = list(facts.variables)
-    variables = []
-    for k, (variable, (causality, start)) in enumerate(facts.variables.items()):
-        output = causality == "output"
-        variability = ' variability="fixed"' if causality == "parameter" else ""
-        initial = ' initial="calculated"' if output else ""
-        given = "" if output else f' start="{start}"'
-        variables.append(
-            f'<Float64 name="{variable}" valueReference="{k}" causality="{causality}"'
-            f"{variability}{initial}{given}/>"
-        )
+    variables = [f"<Float64 {attributes}{start}/>" for attributes, start in _described(facts)]
     variables += [
         f'<Float64 name="der({state})" valueReference="{100 + k}" causality="local"'
         f' initial="calculated" derivative="{names.index(state)}"/>'

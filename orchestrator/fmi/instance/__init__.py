@@ -35,13 +35,16 @@ def open_instance(
 
 
 def in_process(name: str, interface: Interface, folder: Path) -> InProcessInstance:
-    """Instance in this process, by its version of FMI and what it is for."""
+    """Instance in this process."""
+    return kind_of(interface)(name, interface, folder)
+
+
+def kind_of(interface: Interface) -> type[InProcessInstance]:
+    """The class of an FMU's instances, by its version of FMI and what it is for."""
     if interface.version == 3:
         from .fmi3 import Fmi3Instance, IntegratedFmi3Instance
 
-        third = IntegratedFmi3Instance if interface.model_exchange else Fmi3Instance
-        return third(name, interface, folder)
+        return IntegratedFmi3Instance if interface.model_exchange else Fmi3Instance
     from .fmi2 import Fmi2Instance, IntegratedFmi2Instance
 
-    second = IntegratedFmi2Instance if interface.model_exchange else Fmi2Instance
-    return second(name, interface, folder)
+    return IntegratedFmi2Instance if interface.model_exchange else Fmi2Instance

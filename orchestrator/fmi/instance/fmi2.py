@@ -11,7 +11,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...errors import InstanceFailure
 from ..description import Variable
 from .in_process import InProcessInstance, listen, route
 from .integrated import Integrated
@@ -124,6 +123,7 @@ class IntegratedFmi2Instance(Integrated, Fmi2Instance):
 
     KIND = MODEL_EXCHANGE
     RATES = "GetDerivatives"
+    FLAG = FLAG
 
     def _stepper(self) -> Any:
         from fmpy.fmi2 import fmi2EventInfo
@@ -134,17 +134,6 @@ class IntegratedFmi2Instance(Integrated, Fmi2Instance):
 
     def _sizes(self) -> tuple[int, int]:
         return self.interface.states, self.interface.indicators
-
-    def _enter_event_mode(self) -> None:
-        self._call(self._function("fmi2EnterEventMode", POINTER))
-
-    def _completed(self) -> bool:
-        event, ends = FLAG(), FLAG()
-        told = self._function("fmi2CompletedIntegratorStep", POINTER, FLAG, POINTER, POINTER)
-        self._call(told, 1, ctypes.addressof(event), ctypes.addressof(ends))
-        if ends.value:
-            raise InstanceFailure(f"{self.name}: the FMU requests the end of the simulation")
-        return bool(event.value)
 
     def _updated(self) -> tuple[bool, bool, float]:
         event = self._event

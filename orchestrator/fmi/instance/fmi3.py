@@ -154,6 +154,7 @@ class IntegratedFmi3Instance(Integrated, Fmi3Instance):
     """An instance of an FMI 3.0 FMU for model exchange."""
 
     RATES = "GetContinuousStateDerivatives"
+    FLAG = FLAG
 
     def _instantiate(self, folder: Path) -> Any:
         from fmpy.fmi3 import fmi3LogMessageCallback
@@ -176,17 +177,6 @@ class IntegratedFmi3Instance(Integrated, Fmi3Instance):
             self._call(self._function(name, POINTER, POINTER), ctypes.addressof(count))
             counts.append(count.value)
         return counts[0], counts[1]
-
-    def _enter_event_mode(self) -> None:
-        self._call(self._function("fmi3EnterEventMode", POINTER))
-
-    def _completed(self) -> bool:
-        event, ends = FLAG(), FLAG()
-        told = self._function("fmi3CompletedIntegratorStep", POINTER, FLAG, POINTER, POINTER)
-        self._call(told, True, ctypes.addressof(event), ctypes.addressof(ends))
-        if ends.value:
-            raise InstanceFailure(f"{self.name}: the FMU requests the end of the simulation")
-        return bool(event.value)
 
     def _updated(self) -> tuple[bool, bool, float]:
         flags = [FLAG() for _ in range(5)]

@@ -52,6 +52,8 @@ class Integrated(InProcessInstance):
 
     RATES: str
     """Name of the function that gives the derivatives of the states."""
+    FLAG: Any
+    """C type of true and false."""
 
     def __init__(self, *arguments: Any) -> None:
         self._worst = 0
@@ -96,7 +98,7 @@ class Integrated(InProcessInstance):
             if now >= goal - least:
                 now = goal
                 self._set_time(now)
-            self._enter_event_mode()
+            self._call(self._named("EnterEventMode", POINTER))
             self._settle()
             stops += 1
             if stops > MOST_STOPS:
@@ -159,12 +161,24 @@ class Integrated(InProcessInstance):
         status = self._named("SetTime", POINTER, ctypes.c_double)(self._instance, time)
         self._worst = max(self._worst, status if status > 1 else 0)
 
+    def _completed(self) -> bool:
+        """Tell of a step of the integrator; whether the FMU wants event mode."""
+        event, ends = self.FLAG(), self.FLAG()
+        told = self._named("CompletedIntegratorStep", POINTER, self.FLAG, POINTER, POINTER)
+        self._call(told, True, ctypes.addressof(event), ctypes.addressof(ends))
+        self._go_on(ends.value)
+        return bool(event.value)
+
+    def _go_on(self, ends: bool) -> None:
+        """`InstanceFailure` where the FMU requests the end."""
+        if ends:
+            raise InstanceFailure(f"{self.name}: the FMU requests the end of the simulation")
+
     def _settle(self) -> None:
         """Iterate the event until no value changes; learn the time of the next one."""
         for _ in range(MOST_EVENTS):
             again, ends, following = self._updated()
-            if ends:
-                raise InstanceFailure(f"{self.name}: the FMU requests the end of the simulation")
+            self._go_on(ends)
             self._next_event = following
             if not again:
                 return
@@ -173,17 +187,6 @@ class Integrated(InProcessInstance):
     @abstractmethod
     def _sizes(self) -> tuple[int, int]:
         """Numbers of continuous states and of event indicators."""
-
-    @abstractmethod
-    def _enter_event_mode(self) -> None:
-        """Enter event mode from continuous time."""
-
-    @abstractmethod
-    def _completed(self) -> bool:
-        """Tell of a step of the integrator; whether the FMU wants event mode.
-
-        `InstanceFailure` where it requests the end.
-        """
 
     @abstractmethod
     def _updated(self) -> tuple[bool, bool, float]:

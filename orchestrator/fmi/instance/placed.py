@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from ..description import Interface
-from .fmi2 import Fmi2Instance, IntegratedFmi2Instance
-from .fmi3 import Fmi3Instance, IntegratedFmi3Instance
+from . import kind_of
 from .in_process import InProcessInstance
 from .message_log import FAULTY, MOST_MESSAGES
 from .place import (
@@ -103,36 +103,17 @@ class _Placed(InProcessInstance):
             super().close()
 
 
-class PlacedFmi2Instance(_Placed, Fmi2Instance):
-    """One of FMI 2."""
-
-
-class PlacedFmi3Instance(_Placed, Fmi3Instance):
-    """One of FMI 3."""
-
-
-class PlacedIntegratedFmi2Instance(_Placed, IntegratedFmi2Instance):
-    """One of FMI 2 for model exchange."""
-
-
-class PlacedIntegratedFmi3Instance(_Placed, IntegratedFmi3Instance):
-    """One of FMI 3 for model exchange."""
-
-
-PLACED: dict[tuple[int, bool], type[_Placed]] = {
-    (2, False): PlacedFmi2Instance,
-    (3, False): PlacedFmi3Instance,
-    (2, True): PlacedIntegratedFmi2Instance,
-    (3, True): PlacedIntegratedFmi3Instance,
-}
+@cache
+def _placed(kind: type[InProcessInstance]) -> type[_Placed]:
+    """A class of instances whose calls are noted."""
+    return type(f"Placed{kind.__name__}", (_Placed, kind), {})
 
 
 def placed_instance(
     name: str, interface: Interface, folder: Path, place: Place, pass_on: PassOn
 ) -> InProcessInstance:
-    """Instance in this process, by its version of FMI and use, whose calls are noted in `place`.
+    """Instance in this process whose calls are noted in `place`.
 
     `pass_on` gets the status and text of its first messages and of all errors as they come.
     """
-    made = PLACED[interface.version, interface.model_exchange]
-    return made(name, interface, folder, place, pass_on)
+    return _placed(kind_of(interface))(name, interface, folder, place, pass_on)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ...errors import Problems, ScenarioError, printable
 from .document import Component, Connection, System, Value
@@ -30,7 +30,8 @@ class Flat:
 
     `outputs` are the outputs of components that the outermost system gives as its own. `settable`
     are the inputs and parameters of systems with their units, `reached` what each of them that
-    nothing feeds gives its value to: joints whose source is the system's connector.
+    nothing feeds gives its value to: joints whose source is the system's connector. `bound` are
+    the connectors that a value was put on.
     """
 
     components: dict[Path, Component]
@@ -39,6 +40,7 @@ class Flat:
     outputs: list[Node]
     settable: dict[Node, str]
     reached: dict[Node, list[Joint]]
+    bound: set[Node] = field(default_factory=set)
 
     def put(self, path: Path, value: Value) -> bool:
         """Set what a value names, seen from a system; whether there is such a thing.
@@ -55,6 +57,7 @@ class Flat:
         node = ((*path, *inner[:-1]), inner[-1])
         if node not in self.settable:
             return False
+        self.bound.add(node)
         for joint in self.reached.get(node, []):
             owner, name = joint.target
             self.values[owner][name] = _passed(value, self.settable[node], joint)
@@ -94,24 +97,26 @@ def flattened(where: str, system: System) -> Flat:
         if joint.source[0] in components:
             outputs.append(joint.source)
         elif joint.source[0]:
-            shown = f"nothing feeds {_shown(joint.source)}, which it comes from"
-            problems.add(_shown(joint.target), shown)
+            _add_unfed(problems, joint)
     values: dict[Path, dict[str, Value]] = {
         path: {value.name: value for value in component.values}
         for path, component in components.items()
     }
     flat = Flat(components, joints, values, outputs, settable, reached)
     _put_all(flat, system, where)
-    bound = _bound(system)
     inputs = {(path, name) for path, inner in _systems(system, ()) for name in inner.inputs}
     for node, each in reached.items():
-        left_out = node in settable and node not in inputs
-        if node[0] and not left_out and node not in bound:
+        optional = node in flat.bound or (node in settable and node not in inputs)
+        if node[0] and not optional:
             for joint in each:
-                shown = f"nothing feeds {_shown(node)}, which it comes from"
-                problems.add(_shown(joint.target), shown)
+                _add_unfed(problems, joint)
     problems.check()
     return flat
+
+
+def _add_unfed(problems: Problems, joint: Joint) -> None:
+    shown = f"nothing feeds {_shown(joint.source)}, which it comes from"
+    problems.add(_shown(joint.target), shown)
 
 
 def _put_all(flat: Flat, system: System, where: str) -> None:
@@ -123,16 +128,6 @@ def _put_all(flat: Flat, system: System, where: str) -> None:
                     f"{where}: parameter {printable(value.name)!r} does not belong to a"
                     f" component of {printable(around.name)!r}"
                 )
-
-
-def _bound(system: System) -> set[Node]:
-    """Connectors of systems that a value is bound to, also from further out."""
-    found = set()
-    for path, around in _systems(system, ()):
-        for value in around.values:
-            inner = tuple(value.name.split("."))
-            found.add(((*path, *inner[:-1]), inner[-1]))
-    return found
 
 
 def _passed(value: Value, unit: str, joint: Joint) -> Value:

@@ -46,6 +46,12 @@ def resilin(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments), env={"COLUMNS": "80"})
 
 
+def spoil(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
 def test_it_is_written_built_and_checked_by_two_commands(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -95,8 +101,7 @@ def test_it_runs_beside_a_part_of_the_package(coil: Path, library: Path) -> None
 def test_a_changed_source_is_another_build(coil: Path, tmp_path: Path) -> None:
     """And a folder of the same name elsewhere is not taken for it."""
     first = build_fmus.build("./coil", into=tmp_path / "a")
-    physics = coil / "physics.py"
-    physics.write_text(physics.read_text().replace("parameter(100.0", "parameter(150.0"))
+    spoil(coil / "physics.py", "parameter(100.0", "parameter(150.0")
     other = build_fmus.new_part("coil", Path("elsewhere"))
     second = build_fmus.build(str(other), into=tmp_path / "a")
     assert second.guid == first.guid
@@ -118,8 +123,7 @@ def test_a_build_that_fails_leaves_both_kinds_as_they_were(
     assert resilin("build", "./coil").exit_code == 0
     before = {path: path.read_bytes() for path in Path("build").rglob("*.fmu")}
     assert len(before) == 2
-    path = coil / file
-    path.write_text(path.read_text().replace(old, new))
+    spoil(coil / file, old, new)
     done = resilin("build", "./coil")
     assert done.exit_code == 2
     assert reason in done.output
@@ -163,8 +167,7 @@ def test_a_name_that_cannot_be_is_refused(coil: Path, name: str, reason: str) ->
 def test_what_is_wrong_with_a_folder_is_told(
     coil: Path, file: str, old: str, new: str, reason: str
 ) -> None:
-    path = coil / file
-    path.write_text(path.read_text().replace(old, new))
+    spoil(coil / file, old, new)
     done = resilin("build", "./coil")
     assert done.exit_code == 2, done.output
     assert reason in done.output
