@@ -37,7 +37,10 @@ class Gains:
 
 @dataclass(frozen=True)
 class Margin:
-    """Gain margin, phase margin [rad] and crossover [Hz] of a loop; NaN where there is none."""
+    """Gain margin, phase margin [rad] and crossover [Hz] of a loop.
+
+    The gain margin is infinite where no gain makes the loop unstable, NaN where it is not known.
+    """
 
     gain: float
     phase: float
@@ -80,10 +83,15 @@ def closed(system: control.StateSpace, gains: Sequence[Gains]) -> control.StateS
 
 
 def predicted(system: control.StateSpace) -> Margin:
-    """Margins of a loop by its model."""
+    """Margins of a loop by its model.
+
+    Where its phase turns at no frequency but 0, that is the endless gain of its integrators there.
+    """
     import control
 
-    gain, phase, _, crossover = control.margin(system)
+    _, phase, _, crossover = control.margin(system)
+    gains, _, _, turns, _, _ = control.stability_margins(system, returnall=True)
+    gain = min(gains[(turns > 0.0) & (gains > 1.0)], default=math.inf)
     return Margin(float(gain), math.radians(float(phase)), float(crossover) / (2.0 * math.pi))
 
 

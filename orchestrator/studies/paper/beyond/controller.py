@@ -224,7 +224,9 @@ def _margins(margins: dict[str, tuple[Margin, Margin]]) -> Table:
         rows.append(
             [
                 Cell(words),
-                quantity(model.gain, f"{model.gain:.2f}"),
+                quantity(model.gain, f"{model.gain:.2f}")
+                if math.isfinite(model.gain)
+                else Cell("infinite"),
                 _degrees(model.phase), _degrees(run.phase),
                 quantity(model.crossover, f"{model.crossover:.2f} Hz"),
                 quantity(run.crossover, f"{run.crossover:.2f} Hz"),

@@ -10,6 +10,7 @@ from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
+import control
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -19,6 +20,7 @@ from orchestrator.errors import InputError, OutputError, ScenarioError
 from orchestrator.report.page import rendered
 from orchestrator.scenario.files import scenario_names
 from orchestrator.studies.paper import published_values
+from orchestrator.studies.paper.beyond.control_loops import predicted
 from orchestrator.studies.paper.cached_runs import CachedRuns
 from orchestrator.studies.paper.comparison import Comparison, Row
 from orchestrator.studies.paper.equation6 import equation6
@@ -89,6 +91,19 @@ def test_a_band_judges_what_was_not_fitted() -> None:
     fitted = Row("figure11.no_wing_stroke", 1.0)
     assert (near.held, far.held, fitted.held) == (True, False, None)
     assert fitted.mark.band == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("denominator", "gain"), [([1.0, -1.0, 0.0], 2.0), ([1.0, -0.75], math.inf)]
+)
+def test_margins_of_a_loop(denominator: list[float], gain: float) -> None:
+    """An integrator, a cycle late: z^2 - z + k is stable up to k = 1; its turn at 0 Hz is none.
+
+    The phase of a lag turns at no frequency below half the rate.
+    """
+    found = predicted(control.ss(control.tf([0.5], denominator, 0.1)))
+    assert found.gain == pytest.approx(gain)
+    assert found.crossover > 0.0
 
 
 def test_every_band_is_of_a_number() -> None:
