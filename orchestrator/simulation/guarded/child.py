@@ -85,8 +85,11 @@ def serve(pipe: Pipe) -> None:
 
 
 def _prepare(job: Job) -> None:
-    """Import what the instances of a job need, then limit the memory."""
-    for version in {interface.version for interface in job.plan.interfaces.values()}:
+    """Import what the instances of a job need, then limit the memory.
+
+    A recording is of no version of FMI, and needs nothing.
+    """
+    for version in {interface.version for interface in job.plan.interfaces.values()} - {0}:
         importlib.import_module(f"fmpy.fmi{version}")
     limit_memory(shared_memory(job.plan))
 

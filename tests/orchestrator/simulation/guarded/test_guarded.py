@@ -28,6 +28,7 @@ from orchestrator.simulation.run import estimated, run
 from orchestrator.simulation.view import View
 from tests.foreign.scenarios import (
     Shelf,
+    each_version,
     faulty,
     hold,
     level_control,
@@ -36,6 +37,7 @@ from tests.foreign.scenarios import (
     ran,
     ring,
     scenario,
+    wires,
 )
 from tests.processes import hosts
 
@@ -68,6 +70,19 @@ def test_estimates_are_the_same_guarded_or_not(shelf: Shelf, tmp_path: Path) -> 
     ]
     assert outcomes[0].estimates == outcomes[1].estimates
     assert outcomes[0].estimates
+
+
+@each_version
+def test_a_recording_feeds_a_foreign_instance(shelf: Shelf, tmp_path: Path, version: int) -> None:
+    """It has no version of FMI, and goes into the process with the foreign one."""
+    (tmp_path / "bench.csv").write_text("time,u\n0,0\n0.05,1\n0.1,3\n")
+    rows = []
+    for isolate in (None, False):
+        gain = part("gain", shelf("GAIN", version), start={"gain": 2.0}, isolate=isolate)
+        bench = '[components.bench]\ndata = "./bench.csv"\ninterpolation = "linear"'
+        rows.append(ran(scenario(tmp_path, gain, bench, wires("bench.u -> gain.u"))))
+    assert np.array_equal(rows[0].rows, rows[1].rows)
+    assert rows[0].series("gain.y")[-1] == pytest.approx(6.0)
 
 
 def test_an_observer_sees_foreign_instances_too(shelf: Shelf, tmp_path: Path) -> None:
