@@ -54,6 +54,7 @@ def build(
     force: bool = False,
     native: bool = False,
     platforms: Iterable[str] = (),
+    fmi: int = 2,
 ) -> Built:
     """Build one part, or reuse the file that was built here of the same sources.
 
@@ -71,7 +72,7 @@ def build(
     if recording is not None:
         starts = recorded_starts(part, recording) | starts
         files = recorded_files(recording)
-    target = place_of(alias or part.name, native=native, into=into)
+    target = place_of(alias or part.name, native=native, into=into, fmi=fmi)
     foreign = target.is_file() and not is_built_here(digest_of(target))
     built = build_part(
         part,
@@ -83,6 +84,7 @@ def build(
         force=force or foreign,
         native=native,
         platforms=platforms,
+        fmi=fmi,
     )
     try:
         note(built.path)
@@ -101,6 +103,7 @@ def build_own(
     into: Path | None = None,
     force: bool = False,
     platforms: Iterable[str] = (),
+    fmi: int = 2,
 ) -> list[Built]:
     """Build a part of one's own in each kind, hold each to the reference answer, put all in place.
 
@@ -117,13 +120,18 @@ def build_own(
     made: list[tuple[Built, Path]] = []
     with tempfile.TemporaryDirectory(prefix="resilin_build_") as waiting:
         for native in natives:
-            place = place_of(part.name, native=native, into=into)
+            place = place_of(part.name, native=native, into=into, fmi=fmi)
             own = Path(waiting) / ("compiled" if native else "Python")
             own.mkdir()
             if place.is_file():
                 shutil.copyfile(place, own / place.name)
             built = build(
-                folder, into=own, force=force, native=native, platforms=platforms if native else ()
+                folder,
+                into=own,
+                force=force,
+                native=native,
+                platforms=platforms if native else (),
+                fmi=fmi,
             )
             if reference.is_file() and not platforms:
                 _check_answer(part, built.path, reference)
@@ -350,6 +358,10 @@ def build_command(
         list[str] | None,
         typer.Option(help="Platform of a native FMU: linux64, win64, darwin64; may repeat."),
     ] = None,
+    fmi: Annotated[
+        int,
+        typer.Option(min=2, max=3, help="Version of FMI; 3 with --native, into build/fmi3."),
+    ] = 2,
 ) -> None:
     """Build parts into FMUs; unchanged ones are left as they are.
 
@@ -377,7 +389,12 @@ def build_command(
             if is_folder(name) and not (alias or changes or data):
                 natives = [kind == "compiled" for kind in mine]
                 found = build_own(
-                    name, natives=natives, into=into, force=force, platforms=platform or ()
+                    name,
+                    natives=natives,
+                    into=into,
+                    force=force,
+                    platforms=platform or (),
+                    fmi=fmi,
                 )
             else:
                 found = [
@@ -391,6 +408,7 @@ def build_command(
                         force=force,
                         native=kind == "compiled",
                         platforms=platform or (),
+                        fmi=fmi,
                     )
                     for kind in mine
                 ]

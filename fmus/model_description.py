@@ -15,7 +15,11 @@ CAPABILITIES = {
     "canNotUseMemoryManagementFunctions": "true",
     "canGetAndSetFMUstate": "true",
     "canSerializeFMUstate": "true",
+    "providesDirectionalDerivative": "false",
 }
+
+NATIVE = {"needsExecutionTool": "false", "providesDirectionalDerivative": "true"}
+"""Where a native FMU can do more."""
 
 LOG_CATEGORIES = {
     "logStatusWarning": "What the part reports and survives.",
@@ -35,14 +39,13 @@ def model_description(
     variables: list[Variable],
     *,
     sources: str = "",
-    tool: str = "Resilin with PythonFMU",
-    needs_execution_tool: bool = True,
+    native: bool = False,
 ) -> Element:
     """XML tree of `part`, exported under the class name `identifier`.
 
     `variables` are the part's, with the start values of this build. `sources` is the digest that
-    both kinds of FMU share where they are made of the same sources and start values; `tool` and
-    whether the FMU needs one are in what else the two kinds differ.
+    both kinds of FMU share where they are made of the same sources and start values. A `native` FMU
+    needs no tool, and provides directional derivatives.
     Every variable has a unit and a description. Outputs are `calculated`, carry no start
     value, name the inputs they follow directly, and stand in InitialUnknowns too. The
     annotation of a port's member holds its order in the law (0 value, 1 affine,
@@ -55,13 +58,13 @@ def model_description(
         guid=guid,
         description=part.description,
         version=version,
-        license="MIT",
-        generationTool=tool,
+        generationTool="Resilin" if native else "Resilin with PythonFMU",
         variableNamingConvention="structured",
     )
-    needs = {"needsExecutionTool": "true" if needs_execution_tool else "false"}
-    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **needs, **CAPABILITIES})
-    _unit_definitions(root, variables)
+    root.attrib |= part.origin
+    own = {"needsExecutionTool": "true"} | CAPABILITIES | (NATIVE if native else {})
+    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **own})
+    add_unit_definitions(root, variables)
     _type_definitions(root, part, variables)
     categories = SubElement(root, "LogCategories")
     for name, meaning in LOG_CATEGORIES.items():
@@ -69,8 +72,8 @@ def model_description(
     SubElement(root, "DefaultExperiment", startTime="0.0", stepSize=repr(part.step))
     if sources:
         annotations = SubElement(root, "VendorAnnotations")
-        own = SubElement(annotations, "Tool", name="resilin")
-        SubElement(own, "Sources", digest=sources)
+        tool = SubElement(annotations, "Tool", name="resilin")
+        SubElement(tool, "Sources", digest=sources)
     listed = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
         listed.append(_scalar(part, reference, variable))
@@ -78,7 +81,7 @@ def model_description(
     return root
 
 
-def _unit_definitions(root: Element, variables: list[Variable]) -> None:
+def add_unit_definitions(root: Element, variables: list[Variable]) -> None:
     """Add each unit that occurs, once, with its base-unit exponents."""
     definitions = SubElement(root, "UnitDefinitions")
     for name in sorted({variable.quantity.unit for variable in variables} - {""}):
@@ -94,13 +97,14 @@ def _type_definitions(root: Element, part: Part, variables: list[Variable]) -> N
         return
     definitions = SubElement(root, "TypeDefinitions")
     for variable in choosing:
-        simple = SubElement(definitions, "SimpleType", name=_type_name(part, variable))
+        simple = SubElement(definitions, "SimpleType", name=type_name(part, variable))
         items = SubElement(simple, "Enumeration")
         for value, choice in enumerate(variable.quantity.choices, start=1):
             SubElement(items, "Item", name=choice, value=str(value))
 
 
-def _type_name(part: Part, variable: Variable) -> str:
+def type_name(part: Part, variable: Variable) -> str:
+    """Name of the type of an enumeration."""
     return f"{part.name}.{variable.name}"
 
 
@@ -111,16 +115,16 @@ def _scalar(part: Part, reference: int, variable: Variable) -> Element:
         "ScalarVariable",
         name=variable.name,
         valueReference=str(reference),
-        description=_described(quantity),
+        description=described(quantity),
         causality=variable.causality,
-        variability=_variability(variable),
+        variability=variability(variable),
         initial="calculated" if variable.causality == "output" else "exact",
     )
     if variable.causality == "input":
         del scalar.attrib["initial"]
     typed = SubElement(scalar, variable.kind)
     if variable.kind == "Enumeration":
-        typed.set("declaredType", _type_name(part, variable))
+        typed.set("declaredType", type_name(part, variable))
     else:
         if quantity.unit:
             typed.set("unit", quantity.unit)
@@ -138,14 +142,15 @@ def _scalar(part: Part, reference: int, variable: Variable) -> Element:
     return scalar
 
 
-def _described(quantity: Quantity) -> str:
+def described(quantity: Quantity) -> str:
     """What a variable means and, of a parameter, where its number comes from."""
     return (
         f"{quantity.meaning}{PROVENANCE}{quantity.source}" if quantity.source else quantity.meaning
     )
 
 
-def _variability(variable: Variable) -> str:
+def variability(variable: Variable) -> str:
+    """When a variable may change, in the words of FMI."""
     if variable.causality != "parameter":
         return "discrete" if variable.quantity.discrete else "continuous"
     return "tunable" if variable.quantity.tunable else "fixed"

@@ -51,6 +51,8 @@ class Part:
     includes: tuple[str, ...] = ()
     generated: dict[str, tuple[str, Callable[[str], str]]] = field(default_factory=dict)
     accuracy: float = 2.0e-8
+    author: str = "The Resilin developers"
+    license: str = "MIT"
 
     @property
     def variables(self) -> list[Variable]:
@@ -67,6 +69,12 @@ class Part:
                 quantities(record).items(), starts(record), strict=True
             )
         ]
+
+    @property
+    def origin(self) -> dict[str, str]:
+        """Author and licence as attributes of a modelDescription; nothing where none is given."""
+        given = {"author": self.author, "license": self.license}
+        return {key: text for key, text in given.items() if text}
 
     def variables_with(self, changes: dict[str, float]) -> list[Variable]:
         """The variables, some with another start value."""

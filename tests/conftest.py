@@ -67,6 +67,17 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def native_fmi3(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same parts as FMUs of FMI 3, built once for all workers of a session."""
+
+    def build(folder: Path) -> None:
+        for name in build_fmus.compilable():
+            build_fmus.build(name, into=folder, native=True, fmi=3)
+
+    return once(tmp_path_factory, "fmi3", build)
+
+
+@pytest.fixture(scope="session")
 def library(native: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with every part: compiled, but for the monolith, which is in Python alone.
 

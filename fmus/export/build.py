@@ -10,14 +10,16 @@ from typing import Any
 
 from ..units import exponents
 from .archive import Built, described, guid_in, problems_of, put, seal
+from .documentation import documentation_of
 from .sources import BuildError, digest_of, nearest, source_files
 from .staging import compiled, export, stage
 
 OUTPUT = Path("build") / "fmus"
 NATIVE = Path("build") / "native"
+NATIVE_FMI3 = Path("build") / "fmi3"
 
 
-def native_exporter(part: Any, platforms: list[str]) -> list[str]:
+def native_exporter(part: Any, platforms: list[str], fmi: int) -> list[str]:
     """What identifies the native build beside the sources; `BuildError` where there is none."""
     if part.needs:
         raise BuildError(
@@ -29,7 +31,7 @@ def native_exporter(part: Any, platforms: list[str]) -> list[str]:
     from ..native.package import marks
 
     try:
-        return marks(checked(platforms))
+        return marks(checked(platforms), fmi)
     except NativeError as error:
         raise BuildError(f"--platform: {error}") from None
 
@@ -46,9 +48,10 @@ def has_compiler() -> bool:
     return True
 
 
-def place_of(title: str, *, native: bool, into: Path | None) -> Path:
+def place_of(title: str, *, native: bool, into: Path | None, fmi: int = 2) -> Path:
     """Where an FMU of this name goes."""
-    return (into or (NATIVE if native else OUTPUT)) / f"{title}.fmu"
+    compiled_ones = NATIVE_FMI3 if fmi == 3 else NATIVE
+    return (into or (compiled_ones if native else OUTPUT)) / f"{title}.fmu"
 
 
 def build_part(
@@ -62,24 +65,30 @@ def build_part(
     force: bool = False,
     native: bool = False,
     platforms: Iterable[str] = (),
+    fmi: int = 2,
 ) -> Built:
     """Build a part, or reuse the file that stands for the same sources.
 
     `alias` names the FMU; `starts` are start values in SI that differ from the part's; `data`
     takes the place of the data file that the part's tables are made from, `files` of others of its
-    files. `native` compiles the part, for `platforms` or for this machine's. The file appears whole
-    or not at all, and only if fmpy's validation finds no problem. Raises :class:`BuildError`.
+    files. `native` compiles the part, for `platforms` or for this machine's, for version 2 or 3 of
+    FMI. The file appears whole or not at all, and only if fmpy's validation finds no problem.
+    Raises :class:`BuildError`.
     """
     from importlib.metadata import version
 
     wanted = list(platforms)
     if wanted and not native:
         raise BuildError("--platform goes with --native: the Python FMUs run on every platform")
-    exporter = native_exporter(part, wanted) if native else [version("pythonfmu")]
+    if fmi == 3 and not native:
+        raise BuildError("--fmi 3 goes with --native: the Python FMUs are of FMI 2.0")
+    exporter = native_exporter(part, wanted, fmi) if native else [version("pythonfmu")]
+    documentation = documentation_of(part)
+    exporter.append(documentation.digest)
     title = alias or part.name
     if not title.isidentifier():
         raise BuildError(f"{title!r} cannot name an FMU: use letters, digits and underscores")
-    target = place_of(title, native=native, into=into)
+    target = place_of(title, native=native, into=into, fmi=fmi)
     check_description(part)
     starts = starts or {}
     sources = _sources(part, data) | (files or {})
@@ -96,11 +105,13 @@ def build_part(
     with tempfile.TemporaryDirectory(prefix="resilin_build_") as folder:
         staged = stage(Path(folder), title, part, sources, starts, digest, guid, alike)
         if native:
-            raw = compiled(staged, title, part, guid, alike, starts, wanted)
+            raw = compiled(
+                staged, title, part, guid, alike, starts, wanted, fmi, icon=documentation.has_icon
+            )
         else:
             raw = export(staged, Path(folder) / "raw")
         sealed = Path(folder) / f"{title}.fmu"
-        seal(raw, sealed)
+        seal(raw, sealed, documentation.files(fmi))
         problems = problems_of(sealed)
         if problems:
             raise BuildError(f"{title}: {problems[0]}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import keyword
+import shutil
 from pathlib import Path
 
 from .outside import forbidden
@@ -17,6 +18,7 @@ FILES = {
     "reference.csv": "reference.csv",
     "test_part.py.txt": "test_{name}.py",
 }
+ICONS = ("icon.svg", "icon.png")
 """Files of the template and their names in the folder."""
 
 
@@ -38,6 +40,8 @@ def new_part(name: str, into: Path) -> Path:
             text = (TEMPLATE / source).read_text(encoding="utf-8")
             shown = text.replace("NAME", name).replace("CLASS", _class(name))
             (folder / target.format(name=name)).write_text(shown, encoding="utf-8")
+        for icon in ICONS:
+            shutil.copyfile(TEMPLATE / icon, folder / icon)
     except FileExistsError:
         raise BuildError(f"{folder} is there already: choose another name or folder") from None
     except OSError as error:

@@ -83,6 +83,9 @@ def compiled(
     alike: str,
     starts: dict[str, float],
     platforms: list[str],
+    fmi: int,
+    *,
+    icon: bool,
 ) -> Path:
     """Compile the physics of a staged package, which has its own tables."""
     from .. import __version__
@@ -95,7 +98,10 @@ def compiled(
     with importable(script) as package:
         own = importlib.import_module(f"{package.name}.{part.name}.slave").PART
         try:
-            return packed(own, title, guid, alike, __version__, starts, checked(platforms), into)
+            return packed(
+                own, title, guid, alike, __version__, starts, checked(platforms), into, fmi,
+                icon=icon,
+            )  # fmt: skip
         except NativeError as error:
             raise BuildError(f"{title}: {error}") from None
 

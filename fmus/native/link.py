@@ -7,8 +7,11 @@ is ziglang, which brings the C libraries of all platforms: what it links for Lin
 
 from __future__ import annotations
 
+import functools
+import hashlib
 import importlib.util
 import os
+import re
 import shlex
 import shutil
 import struct
@@ -18,18 +21,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..generated import cache, keep
 from .errors import NativeError
 
 FLAGS = (
     "-std=c99",
     "-O3",
-    "-shared",
     "-fPIC",
     "-fvisibility=hidden",
     "-ffp-contract=off",
     "-fno-sanitize=undefined",
-    "-s",
 )
+LINKED = ("-shared", "-s")
+INCLUDE = re.compile(rb'^#include "([^"]+)"', re.MULTILINE)
 FAT_MAGIC = 0xCAFEBABE
 SLICES = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}
 """CPU type and subtype of Mach-O."""
@@ -38,17 +42,22 @@ ALIGNMENT = 14
 
 @dataclass(frozen=True)
 class Platform:
-    """A folder of `binaries/` in an FMU, and the machines that its library serves, as zig names
-    them."""
+    """A folder of `binaries/` in an FMU, and the machines that its library serves.
+
+    `targets` has the machines as zig names them, `folders` as the folders of FMI 3.
+    """
 
     suffix: str
     targets: tuple[str, ...]
+    folders: tuple[str, ...]
 
 
 PLATFORMS = {
-    "linux64": Platform(".so", ("x86_64-linux-gnu.2.17",)),
-    "win64": Platform(".dll", ("x86_64-windows-gnu",)),
-    "darwin64": Platform(".dylib", ("x86_64-macos", "aarch64-macos")),
+    "linux64": Platform(".so", ("x86_64-linux-gnu.2.17",), ("x86_64-linux",)),
+    "win64": Platform(".dll", ("x86_64-windows-gnu",), ("x86_64-windows",)),
+    "darwin64": Platform(
+        ".dylib", ("x86_64-macos", "aarch64-macos"), ("x86_64-darwin", "aarch64-darwin")
+    ),
 }
 
 
@@ -85,8 +94,13 @@ def compiler(target: str, *, own: bool) -> list[str]:
     raise NativeError(f"no C compiler for {target}: {way}pip install 'resilin[native]'")
 
 
-def libraries(sources: Sequence[Path], platforms: list[str], identifier: str, into: Path) -> None:
-    """Write `into/PLATFORM/IDENTIFIER.SUFFIX` for each platform."""
+def libraries(
+    sources: Sequence[Path], platforms: list[str], identifier: str, into: Path, fmi: int
+) -> None:
+    """Write `into/PLATFORM/IDENTIFIER.SUFFIX` for each platform, as that version of FMI names it.
+
+    FMI 3 has a folder for each machine, FMI 2 one file for both of a Mac's.
+    """
     for name in platforms:
         platform = PLATFORMS[name]
         work = into.with_name("work") / name
@@ -97,20 +111,67 @@ def libraries(sources: Sequence[Path], platforms: list[str], identifier: str, in
             library = folder / f"{identifier}{platform.suffix}"
             compiled(sources, library, compiler(target, own=name == own_platform()))
             parts.append((target.split("-")[0], library.read_bytes()))
-        (into / name).mkdir(parents=True)
         whole = parts[0][1] if len(parts) == 1 else _universal(parts)
-        (into / name / f"{identifier}{platform.suffix}").write_bytes(whole)
+        folders = {name: whole}
+        if fmi == 3:
+            folders = dict(zip(platform.folders, (code for _, code in parts), strict=True))
+        for folder_name, code in folders.items():
+            (into / folder_name).mkdir(parents=True)
+            (into / folder_name / f"{identifier}{platform.suffix}").write_bytes(code)
 
 
 def compiled(sources: Sequence[Path], library: Path, command: Sequence[str]) -> None:
-    """Compile sources into a shared library, under plain names: a linker may keep them inside."""
-    folder = sources[0].parent
-    words = [*command, *FLAGS, *(source.name for source in sources), "-o", library.name, "-lm"]
+    """Compile sources into a shared library, under plain names: a linker may keep them inside.
+
+    What one source compiles to is kept under the user's cache folder, by the digest of its text,
+    the files it includes, the compiler and its options: a part's own code is compiled once,
+    whatever is built around it.
+    """
+    folder = library.parent
+    objects = [_object(source, folder, command) for source in sources]
+    _done([*command, *FLAGS, *LINKED, *objects, "-o", library.name, "-lm"], folder)
+
+
+def _object(source: Path, into: Path, command: Sequence[str]) -> str:
+    """Name of the object file of a source in a folder: from the cache or made now."""
+    digest = hashlib.sha256(repr((*command, *FLAGS, _release(tuple(command)))).encode())
+    for name, text in _included(source).items():
+        digest.update(name.encode() + b"\0" + text + b"\0")
+    place = cache() / "objects" / f"{digest.hexdigest()[:32]}.o"
+    made = into / f"{source.stem}.o"
+    if place.is_file():
+        shutil.copyfile(place, made)
+        return made.name
+    _done([*command, *FLAGS, "-c", source.name, "-o", str(made.absolute())], source.parent)
+    keep(place, made.read_bytes())
+    return made.name
+
+
+def _included(source: Path) -> dict[str, bytes]:
+    """A source and all files of its folder that it includes, by name."""
+    found: dict[str, bytes] = {}
+    waiting = [source.name]
+    while waiting:
+        path = source.parent / waiting.pop()
+        if path.name not in found and path.is_file():
+            found[path.name] = path.read_bytes()
+            waiting += [name.decode() for name in INCLUDE.findall(found[path.name])]
+    return dict(sorted(found.items()))
+
+
+@functools.cache
+def _release(command: tuple[str, ...]) -> str:
+    """What a compiler says of its version."""
+    done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
+    return done.stdout
+
+
+def _done(words: Sequence[str], folder: Path) -> None:
+    """Run a compiler in a folder; :class:`NativeError` with its first lines where it fails."""
     done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=folder)
     if done.returncode != 0:
         lines = [line for line in done.stderr.splitlines() if line.strip()]
-        raise NativeError(f"{shlex.join(command)}: compiling failed: {' '.join(lines[:3])}")
-    (folder / library.name).replace(library)
+        raise NativeError(f"{shlex.join(words)}: compiling failed: {' '.join(lines[:3])}")
 
 
 def _universal(parts: list[tuple[str, bytes]]) -> bytes:

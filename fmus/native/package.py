@@ -5,32 +5,35 @@ from __future__ import annotations
 import hashlib
 import zipfile
 from pathlib import Path
-from xml.etree.ElementTree import SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ..model_description import model_description
 from ..part import Part, Variable
-from . import table
+from . import fmi3_description, table
 from .link import libraries
+from .terminals import FOLDER, terminals_and_icons
 from .translate import unit, words
 
 HERE = Path(__file__).parent
-FIXED = ("layer.c", "fmi2.h", "semantics.h")
-"""Files that are the same in every native FMU."""
+FIXED = ("instance.h", "dual.h", "semantics.h")
+"""Files that are the same in every native FMU, beside those of its version of FMI."""
 
 
-def marks(platforms: list[str]) -> list[str]:
+def marks(platforms: list[str], fmi: int) -> list[str]:
     """What the digest of a native FMU covers beside the sources of its part."""
     digest = hashlib.sha256(words.header().encode())
     for path in sorted([*HERE.rglob("*.py"), *HERE.glob("*.c"), *HERE.glob("*.h")]):
         digest.update(path.read_bytes())
-    return ["native", digest.hexdigest(), *platforms]
+    return ["native", digest.hexdigest(), *platforms, *(["fmi3"] if fmi == 3 else [])]
 
 
-def sources(part: Part, guid: str, variables: list[Variable], into: Path) -> list[Path]:
+def sources(part: Part, guid: str, variables: list[Variable], into: Path, fmi: int) -> list[Path]:
     """Write all that a host needs to compile the part; returns the files to be compiled."""
     translation = unit.part(part.physics, part.name)
     into.mkdir(parents=True)
-    texts = {name: (HERE / name).read_text(encoding="utf-8") for name in FIXED} | {
+    interface = f"fmi{fmi}.c"
+    names = (interface, f"fmi{fmi}.h", *FIXED)
+    texts = {name: (HERE / name).read_text(encoding="utf-8") for name in names} | {
         "words.h": words.header(),
         "table.h": table.header(part, guid, variables, translation),
         f"{part.name}.h": translation.header,
@@ -38,7 +41,7 @@ def sources(part: Part, guid: str, variables: list[Variable], into: Path) -> lis
     }
     for name, text in texts.items():
         (into / name).write_text(text, encoding="utf-8", newline="\n")
-    return [into / "layer.c", into / f"{part.name}.c"]
+    return [into / interface, into / f"{part.name}.c"]
 
 
 def packed(
@@ -50,29 +53,72 @@ def packed(
     starts: dict[str, float],
     platforms: list[str],
     into: Path,
+    fmi: int,
+    *,
+    icon: bool,
 ) -> Path:
     """Translate a part, compile it for each platform and pack `into/IDENTIFIER.fmu`.
 
-    `alike` is the digest of the sources and start values, the same as in the Python FMU.
+    `alike` is the digest of the sources and start values, the same as in the Python FMU; `fmi` is
+    the version of FMI, 2 or 3; `icon` says whether an FMU of FMI 3 is given one. The rows of both
+    versions are made by the same code.
     """
     variables = part.variables_with(starts)
-    files = sources(part, guid, variables, into / "sources")
-    libraries(files, platforms, identifier, into / "binaries")
-    root = model_description(
-        part, identifier, guid, version, variables, sources=alike, tool="Resilin",
-        needs_execution_tool=False,
-    )  # fmt: skip
-    listed = root.find("CoSimulation")
-    assert listed is not None
-    listed = SubElement(listed, "SourceFiles")
-    for file in files:
-        SubElement(listed, "File", name=file.name)
-    indent(root)
+    files = sources(part, guid, variables, into / "sources", fmi)
+    libraries(files, platforms, identifier, into / "binaries", fmi)
+    given = (part, identifier, guid, version, variables, alike, [file.name for file in files])
+    texts = _as_fmi3(*given, icon) if fmi == 3 else _as_fmi2(*given)
     path = into / f"{identifier}.fmu"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(
-            "modelDescription.xml", tostring(root, encoding="UTF-8", xml_declaration=True)
-        )
+        for name, root in texts.items():
+            indent(root)
+            archive.writestr(name, tostring(root, encoding="UTF-8", xml_declaration=True))
         for file in sorted([*(into / "sources").iterdir(), *(into / "binaries").rglob("*.*")]):
             archive.write(file, file.relative_to(into).as_posix())
     return path
+
+
+def _as_fmi2(
+    part: Part,
+    identifier: str,
+    guid: str,
+    version: str,
+    variables: list[Variable],
+    alike: str,
+    files: list[str],
+) -> dict[str, Element]:
+    """The XML files of an FMU of FMI 2.0, which names its sources in the modelDescription."""
+    root = model_description(part, identifier, guid, version, variables, sources=alike, native=True)
+    slave = root.find("CoSimulation")
+    assert slave is not None
+    listed = SubElement(slave, "SourceFiles")
+    for file in files:
+        SubElement(listed, "File", name=file)
+    return {"modelDescription.xml": root}
+
+
+def _as_fmi3(
+    part: Part,
+    identifier: str,
+    guid: str,
+    version: str,
+    variables: list[Variable],
+    alike: str,
+    files: list[str],
+    icon: bool,
+) -> dict[str, Element]:
+    """The XML files of an FMU of FMI 3.0: description, terminals, and how it is compiled."""
+    root = fmi3_description.model_description(
+        part, identifier, guid, version, variables, sources=alike
+    )
+    build = Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = SubElement(build, "BuildConfiguration", modelIdentifier=identifier)
+    listed = SubElement(configuration, "SourceFileSet", language="C99")
+    for file in files:
+        SubElement(listed, "SourceFile", name=file)
+    icons = terminals_and_icons(part, variables, icon=icon)
+    return {
+        "modelDescription.xml": root,
+        "sources/buildDescription.xml": build,
+        f"{FOLDER}/{FOLDER}.xml": icons,
+    }

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from ..part import Part, Variable
+from .fmi3_description import EVENT
 from .translate.text import literal, quoted
-from .translate.unit import ENTRIES, Translation
+from .translate.unit import DERIVATIVES, ENTRIES, Translation
 
 
 def header(part: Part, guid: str, variables: list[Variable], translation: Translation) -> str:
@@ -17,11 +18,13 @@ def header(part: Part, guid: str, variables: list[Variable], translation: Transl
         "/* What layer.c has to know of the part; made by the build. */",
         *records(translation),
         *(f"#define PART_{e.upper()} {translation.name}_{e}" for e in ENTRIES),
+        *(f"#define PART_DUAL_{e.upper()} {translation.name}_dual_{e}" for e in DERIVATIVES),
         "",
         f"#define GUID {quoted(guid)}",
         f"#define INPUTS {count['input']}",
         f"#define PARAMETERS {count['parameter']}",
         f"#define OUTPUTS {count['output']}",
+        *(f"#define EVENT {k}" for k, v in enumerate(variables) if v.name == EVENT),
         "",
         "typedef struct {",
         "    const char *name;",

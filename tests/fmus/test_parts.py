@@ -54,7 +54,7 @@ def instance(
     unit = in_process(name, interface, folder)
     try:
         unit.prepare(start or {}, 0.0, 1.0, None)
-        inputs = [v for v in interface.of("input") if v.kind == "Real"]
+        inputs = [v for v in interface.of("input") if v.kind in {"Real", "Float64"}]
         outputs = interface.of("output")
         sent = np.array([float(v.start or 0.0) for v in inputs])
         got = np.zeros(len(outputs))

@@ -76,10 +76,11 @@ def _mathematics(c: Context, node: ast.Call, name: str) -> Value:
     parts = c.ordered([_number(c, argument) for argument in node.args])
     causes = frozenset().union(*(part.causes for part in parts))
     given = ", ".join(part.text for part in parts)
+    named = c.unit.arithmetic.function
     if name in ("fabs", "copysign"):
-        return Value(f"{c.shared(name)}({given})", FLOAT, ATOM, causes)
+        return Value(f"{c.shared(named(name))}({given})", FLOAT, ATOM, causes)
     if name in subset.PLAIN:
-        return Value(f"{name}_of({given})", FLOAT, ATOM, causes)
+        return Value(f"{named(f'{name}_of')}({given})", FLOAT, ATOM, causes)
     own = {"DOMAIN_ERROR"}
     if name in subset.GROWING:
         own = {"RANGE_ERROR"}
@@ -89,7 +90,7 @@ def _mathematics(c: Context, node: ast.Call, name: str) -> Value:
         own = {"INFINITE_TO_WHOLE", "NAN_TO_WHOLE"}
     kind = ROUNDED if name in subset.ROUNDING else FLOAT
     raised = causes | c.raising(frozenset(own))
-    return Value(f"{name}_of(fault, {given})", kind, ATOM, raised)
+    return Value(f"{named(f'{name}_of')}(fault, {given})", kind, ATOM, raised)
 
 
 def _number(c: Context, node: ast.expr) -> Callable[[], Value]:
@@ -109,6 +110,8 @@ def _extreme(c: Context, node: ast.Call, name: str) -> Value:
     elif not kinds <= {*NUMBERS}:
         odd = next(part.kind for part in parts if part.kind not in NUMBERS)
         c.refuse(node, f"{odd.name} in `{ast.unparse(node)}`: floats only, or ints only")
+    else:
+        name = c.unit.arithmetic.function(name)
     text = parts[0].text
     for part in parts[1:]:
         text = f"{name}({text}, {part.text})"
@@ -136,17 +139,18 @@ def _integer(c: Context, node: ast.Call) -> Value:
     if found.constant is not None and math.fabs(found.constant) < expressions.LARGEST:
         if isinstance(node.args[0], ast.Constant):
             return expressions.constant_of(c, node, int(found.constant))
-        text = f"(int64_t){found.within(ATOM)}"
+        text = f"(int64_t){c.unit.arithmetic.value(found, ATOM)}"
         return Value(text, WHOLE, UNARY, found.causes, int(found.constant), simple=True)
     own = c.raising(frozenset({"INFINITE_TO_WHOLE", "NAN_TO_WHOLE"}))
-    return Value(f"whole_of(fault, {found.text})", WHOLE, ATOM, found.causes | own)
+    text = f"whole_of(fault, {c.unit.arithmetic.value(found)})"
+    return Value(text, WHOLE, ATOM, found.causes | own)
 
 
 def _float(c: Context, node: ast.Call) -> Value:
     found = _alone(c, node, "float")
     if found.kind != WHOLE:
         return dataclasses.replace(found, kind=FLOAT)
-    return expressions.as_float(found)
+    return expressions.as_float(c, found)
 
 
 _BUILTINS: dict[str, Callable[[Context, ast.Call], Value]] = {

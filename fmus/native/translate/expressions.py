@@ -11,12 +11,12 @@ from types import ModuleType
 from typing import Any
 
 from . import calls, subset
+from .arithmetic import Plain
 from .context import Context
 from .kinds import FLOAT, NUMBERS, ROUNDED, TRUTH, WHOLE, Fixed, Kind, Record, Table, View
 from .text import literal
-from .value import AND, ATOM, CHOICE, EQUAL, ORDER, PRODUCT, SUM, UNARY, Value, viewed
+from .value import AND, ATOM, CHOICE, EQUAL, ORDER, UNARY, Value, viewed
 
-RANKS = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT}
 FOLDED: dict[str, Callable[[float, float], float]] = {
     "+": operator.add,
     "-": operator.sub,
@@ -69,8 +69,7 @@ def constant_of(c: Context, node: ast.expr, given: Any) -> Value:
         return Value(str(given), WHOLE, constant=given, simple=True)
     if not isinstance(given, float):
         c.refuse(node, f"`{_shown(node)}` is neither a number nor a truth value")
-    text = literal(given)
-    rank = UNARY if text.startswith("-") else ATOM
+    text, rank = c.unit.arithmetic.constant(literal(given))
     return Value(text, FLOAT, rank, constant=given, simple=True)
 
 
@@ -103,7 +102,8 @@ def _attribute(c: Context, node: ast.Attribute) -> Value:
         if node.attr not in subset.CONSTANTS:
             c.refuse(node, f"math.{node.attr} is outside the subset")
         known = constant_of(c, node, getattr(math, node.attr))
-        return dataclasses.replace(known, text=c.shared(node.attr.upper()))
+        text, rank = c.unit.arithmetic.constant(c.shared(node.attr.upper()))
+        return dataclasses.replace(known, text=text, rank=rank)
     if module is not None:
         return c.unit.global_value(c, node, c.unit.source(c, node, module), node.attr)
     owner = value(c, node.value)
@@ -144,10 +144,9 @@ def _unary(c: Context, node: ast.UnaryOp) -> Value:
         c.refuse(node, f"`{_shown(node)}`: the sign of {inner.kind.name}")
     if isinstance(node.op, ast.UAdd):
         return inner
-    text = inner.within(UNARY)
-    text = f"-({text})" if text.startswith("-") else f"-{text}"
+    text, rank = _arithmetic(c, inner.kind).negative(inner)
     known = None if inner.constant is None else -inner.constant
-    return Value(text, inner.kind, UNARY, inner.causes, known, simple=known is not None)
+    return Value(text, inner.kind, rank, inner.causes, known, simple=known is not None)
 
 
 def _binary(c: Context, node: ast.BinOp) -> Value:
@@ -172,17 +171,23 @@ def _beside(c: Context, node: ast.BinOp, part: ast.expr, found: Value) -> Value:
     if found.kind == WHOLE and isinstance(part, ast.Constant):
         c.refuse(node, f"{found.text} beside a float in `{_shown(node)}`: write {found.text}.0")
     if found.kind == WHOLE:
-        return as_float(found)
+        return as_float(c, found)
     if found.kind not in NUMBERS:
         c.refuse(node, f"`{_shown(part)}` is {found.kind.name} in `{_shown(node)}`")
     return found
 
 
-def as_float(found: Value) -> Value:
+def as_float(c: Context, found: Value) -> Value:
     """An int as a float."""
     known = None if found.constant is None else float(found.constant)
     text = f"(double){found.within(ATOM)}" if known is None or not found.text.isdigit() else ""
-    return Value(text or literal(float(known or 0.0)), FLOAT, UNARY, found.causes, known)
+    text, rank = c.unit.arithmetic.constant(text or literal(float(known or 0.0)))
+    return Value(text, FLOAT, rank, found.causes, known)
+
+
+def _arithmetic(c: Context, kind: Kind) -> Plain:
+    """How numbers of a type are written: an int always as a plain one."""
+    return Plain() if kind == WHOLE else c.unit.arithmetic
 
 
 def _combined(c: Context, sign: str, left: Value, right: Value, kind: Kind) -> Value:
@@ -195,16 +200,17 @@ def _combined(c: Context, sign: str, left: Value, right: Value, kind: Kind) -> V
             "%": ("whole_remainder", "ZERO_WHOLE_MODULO"),
         }
         function, cause = (wholes if kind == WHOLE else pairs)[sign]
+        function = _arithmetic(c, kind).function(function)
         own = c.raising(frozenset({cause}))
         return Value(f"{function}(fault, {left.text}, {right.text})", kind, ATOM, causes | own)
     if sign == "/" and not right.constant:
         own = c.raising(frozenset({"ZERO_DIVISION"}))
-        return Value(f"quotient(fault, {left.text}, {right.text})", kind, ATOM, causes | own)
+        function = c.unit.arithmetic.function("quotient")
+        return Value(f"{function}(fault, {left.text}, {right.text})", kind, ATOM, causes | own)
     known = None
     if left.constant is not None and right.constant is not None:
         known = FOLDED[sign](left.constant, right.constant)
-    rank = RANKS[sign]
-    text = f"{left.within(rank)} {sign} {right.within(rank - 1)}"
+    text, rank = _arithmetic(c, kind).combined(sign, left, right)
     return Value(text, kind, rank, causes, known)
 
 
@@ -239,7 +245,8 @@ def _compared(c: Context, node: ast.expr, sign: str, left: Value, right: Value) 
     if not alike:
         c.refuse(node, f"`{_shown(node)}` compares {left.kind.name} with {right.kind.name}")
     rank = EQUAL if sign in ("==", "!=") else ORDER
-    text = f"{left.within(rank - 1)} {sign} {right.within(rank - 1)}"
+    plain = _arithmetic(c, left.kind)
+    text = f"{plain.value(left, rank - 1)} {sign} {plain.value(right, rank - 1)}"
     return Value(text, TRUTH, rank, left.causes | right.causes)
 
 
@@ -334,13 +341,20 @@ def _subscript(c: Context, node: ast.Subscript) -> Value:
     causes = owner.causes | index.causes
     if isinstance(owner.kind, View):
         own = c.raising(frozenset({"OUT_OF_RANGE"}))
-        function = "entry_of" if owner.kind.dimensions == 1 else "row_of"
-        kind: Kind = FLOAT if owner.kind.dimensions == 1 else View(1)
-        return Value(f"{function}(fault, {owner.text}, {index.text})", kind, ATOM, causes | own)
+        if owner.kind.dimensions == 2:
+            text = f"row_of(fault, {owner.text}, {index.text})"
+            return Value(text, View(1), ATOM, causes | own)
+        entry_ = f"entry_of(fault, {owner.text}, {index.text})"
+        text, rank = c.unit.arithmetic.constant(entry_)
+        return Value(text, FLOAT, rank, causes | own)
     if isinstance(owner.kind, Table):
         place, own = _within(c, node, index, owner.kind.shape[0])
         rest = owner.kind.shape[1:]
-        return Value(f"{owner.text}[{place}]", Table(rest) if rest else FLOAT, ATOM, causes | own)
+        text = f"{owner.text}[{place}]"
+        if rest:
+            return Value(text, Table(rest), ATOM, causes | own)
+        text, rank = c.unit.arithmetic.constant(text)
+        return Value(text, FLOAT, rank, causes | own)
     if not isinstance(owner.kind, Fixed):
         c.refuse(node, f"`{_shown(node)}`: {owner.kind.name} has no entries")
     place, own = _within(c, node, index, len(owner.kind.entries))

@@ -12,11 +12,12 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from . import function as functions
+from .arithmetic import Dual, Plain
 from .calls import Signature
 from .context import Context
 from .expressions import constant_of
 from .function import Function
-from .kinds import FLOAT, Fixed, Kind, Record, Scalar, Table, View
+from .kinds import FLOAT, NUMBERS, Fixed, Kind, Record, Scalar, Table, View
 from .names import Names, local
 from .source import Source, home_of, source_of
 from .tables import number, shape_of, table
@@ -24,6 +25,7 @@ from .text import STEP, comment, wrapped
 from .value import Value
 
 ENTRIES = ("initial", "advance", "observe")
+DERIVATIVES = ("initial", "observe")
 RECORDS = ("Params", "State", "Input", "Output")
 
 
@@ -49,12 +51,16 @@ class Unit:
     """The file in the making; modules of other packages than the first one's stay out.
 
     `entries` are the functions that other files may call, by module and name, with their C names.
+    A unit `beside` another one has its functions on dual numbers, in the same file: it shares the
+    other's names and constants.
     """
 
-    def __init__(self, first: Source, entries: dict[tuple[str, str], str]) -> None:
+    def __init__(
+        self, first: Source, entries: dict[tuple[str, str], str], beside: Unit | None = None
+    ) -> None:
+        self.arithmetic = Plain() if beside is None else Dual()
         self._package = first.module.__name__.split(".")[0]
         self._named = entries
-        self._names = Names()
         self._first = first
         self._functions: dict[tuple[str, str], Function] = {}
         self._open: list[tuple[str, str]] = []
@@ -62,10 +68,14 @@ class Unit:
         self._structs: dict[Kind, list[str]] = {}
         self._aliases: dict[Fixed, str] = {}
         self._fixed: dict[Fixed, str] = {}
-        self._constants: dict[tuple[str, str], str] = {}
-        self._tables: dict[int, str] = {}
         self._sections: dict[Source, Section] = {}
         self._entries: list[Function] = []
+        self._names: Names = Names() if beside is None else beside._names
+        self._constants: dict[tuple[str, str], str] = {} if beside is None else beside._constants
+        self._tables: dict[int, str] = {} if beside is None else beside._tables
+        self._defined: dict[Source, Section] = self._sections if beside is None else beside._defined
+        if beside is not None:
+            return
         scope = vars(first.module)
         plain = [n for n in first.constants if isinstance(scope.get(n), int | float | tuple)]
         for name in (*first.records, *first.functions, *plain):
@@ -94,7 +104,7 @@ class Unit:
         if key not in self._functions:
             self._open.append(key)
             entry = self._named.get(key, "")
-            name = entry or self._given(source, found.__name__)
+            name = entry or self._given(source, self.arithmetic.function(found.__name__))
             made = functions.translated(self, source, found, name, entry=bool(entry))
             self._open.pop()
             self._functions[key] = made
@@ -125,6 +135,8 @@ class Unit:
 
     def c_type(self, kind: Kind) -> str:
         """Name of a type in C; records and tuples are declared when they are first asked for."""
+        if kind in NUMBERS:
+            return self.arithmetic.number
         if isinstance(kind, Scalar):
             return kind.c
         if isinstance(kind, View):
@@ -150,8 +162,10 @@ class Unit:
                 home.refuse(line, f"the table {original} {shape}")
             return Value(c.shared(self._table(home, original, given, shape)), Table(shape))
         plain = constant_of(c, node, given)
-        text = c.shared(self._constant(home, original, given))
-        return dataclasses.replace(plain, text=text, rank=0)
+        text, rank = c.shared(self._constant(home, original, given)), 0
+        if plain.kind == FLOAT:
+            text, rank = self.arithmetic.constant(text)
+        return dataclasses.replace(plain, text=text, rank=rank)
 
     # ---- what is declared ----
 
@@ -177,9 +191,10 @@ class Unit:
             kind = hints[f.name]
             if kind is not float and not dataclasses.is_dataclass(kind):
                 source.refuse(_line(node, f.name), f"{record.__name__}.{f.name} is not a float")
-            made = "double" if kind is float else self._record(hints[f.name])
+            made = self.arithmetic.number if kind is float else self._record(hints[f.name])
             members.append((f"{made} {self.field_name(f.name)};", _meaning(f)))
-        name = self._records[record] = self._given(source, record.__name__)
+        own = self.arithmetic.record(record.__name__)
+        name = self._records[record] = self._given(source, own)
         width = max((len(text) for text, _ in members), default=0)
         body = [
             f"{STEP}{text.ljust(width)}  {comment(meaning)[0]}" if meaning else STEP + text
@@ -195,13 +210,14 @@ class Unit:
         if kind not in self._fixed:
             count = len(kind.entries)
             if kind.uniform:
-                name, body = f"Floats{count}", [f"{STEP}double at[{count}];"]
+                name, body = f"Floats{count}", [f"{STEP}{self.arithmetic.number} at[{count}];"]
             else:
                 body = [
                     f"{STEP}{self.c_type(entry)} item{k};" for k, entry in enumerate(kind.entries)
                 ]
                 name = self._aliases.get(kind, f"Tuple{len(self._fixed) + 1}")
-            name = self._names.given(kind, name, ("tuple",))
+            name = self.arithmetic.record(name)
+            name = self._names.given((self.arithmetic.number, kind), name, ("tuple",))
             self._fixed[kind] = name
             self._structs[kind] = ["typedef struct {", *body, f"}} {name};"]
         return self._fixed[kind]
@@ -222,43 +238,42 @@ class Unit:
         return self._constants[key]
 
     def _define(self, home: Source, name: str, lines: list[str]) -> None:
-        section = self._sections.setdefault(home, Section())
+        section = self._defined.setdefault(home, Section())
         section.constants += ["", *comment(home.documents.get(name, "")), *lines]
 
     # ---- the files ----
 
-    def written(self, name: str, records: dict[str, type[Any]]) -> Translation:
-        """The header with the entries and what they take, the source with all else.
+    def asked(self, records: dict[str, type[Any]]) -> dict[str, str]:
+        """The C names of records, by the names to ask with."""
+        return {asked: self._record(record) for asked, record in records.items()}
 
-        `records` are those whose C names are asked for, by the names to ask with.
-        """
-        names = {asked: self._record(record) for asked, record in records.items()}
+    def declared(self, records: dict[str, type[Any]]) -> tuple[list[str], list[str]]:
+        """The structs and entries that other files see, and the structs that they do not."""
         public = set().union(*(self._inside(Record(record)) for record in records.values()))
         for entry in self._entries:
             signature = entry.signature
             for kind in (signature.returns, *(p.kind for p in signature.parameters)):
                 public |= self._inside(kind)
-        guard = f"{name.upper()}_H"
-        notice = comment(f"Made from {self._first.name}'s physics by the build; nothing to edit.")
-        head = [*notice, f"#ifndef {guard}", f"#define {guard}", "", '#include "semantics.h"']
-        body = [f'#include "{name}.h"']
+        head: list[str] = []
+        body: list[str] = []
         for owner, lines in self._structs.items():
             (head if owner in public else body).extend(["", *lines])
         for entry in self._entries:
             head += ["", *entry.comment, *wrapped(f"INTERNAL {entry.head};", "")]
-        body = [*comment(self._first.document), *body, *self._code()]
-        head += ["", "#endif", ""]
-        return Translation(name, "\n".join(head), "\n".join([*body, ""]), names)
+        return head, body
 
-    def _code(self) -> list[str]:
-        """Constants, declarations and functions, module by module, in the order of the source."""
-        first = self._sections.pop(self._first, Section())
-        sections = {self._first: first, **self._sections}
+    def constants(self) -> list[str]:
+        """The constants, module by module, in the order of the source."""
         lines = []
-        for source, section in sections.items():
+        for source, section in self._in_order().items():
             document = "" if source is self._first else f"\n\n{source.document}"
             lines += ["", *comment(f"---- {_place(source)} ----{document}"), *section.constants]
-        lines += ["", "/* ---- functions ---- */", ""]
+        return lines
+
+    def code(self, title: str) -> list[str]:
+        """Declarations and functions, module by module, in the order of the source."""
+        lines = ["", f"/* ---- {title} ---- */", ""]
+        sections = self._in_order()
         for section in sections.values():
             for _, made in sorted(section.functions.items()):
                 if made not in self._entries:
@@ -269,6 +284,10 @@ class Unit:
             for _, made in sorted(section.functions.items()):
                 lines += ["", *made.comment, *made.text]
         return lines
+
+    def _in_order(self) -> dict[Source, Section]:
+        """The sections, the first module's own before all others."""
+        return {self._first: self._sections.get(self._first, Section())} | self._sections
 
     def _inside(self, kind: Kind) -> set[Kind]:
         """A struct and the structs within it."""
@@ -305,18 +324,50 @@ def _meaning(entry: dataclasses.Field[Any]) -> str:
 
 
 def translated(
-    module: ModuleType, name: str, entries: Sequence[str], records: dict[str, type[Any]]
+    module: ModuleType,
+    name: str,
+    entries: Sequence[str],
+    records: dict[str, type[Any]],
+    derivatives: Sequence[str] = (),
 ) -> Translation:
-    """Some functions of a module with all that they call, as `NAME_FUNCTION` in two files."""
+    """Some functions of a module with all that they call, as `NAME_FUNCTION` in two files.
+
+    `derivatives` are those that are there on dual numbers too, as `NAME_dual_FUNCTION`, with the
+    records as `DualRECORD`.
+    """
+    plain = _unit(module, f"{name}_", entries, None)
+    dual = _unit(module, f"{name}_dual_", derivatives, plain) if derivatives else None
+    names = plain.asked(records)
+    first = source_of(module)
+    notice = comment(f"Made from {first.name}'s physics by the build; nothing to edit.")
+    guard = f"{name.upper()}_H"
+    head, body = plain.declared(records)
+    code = plain.code("functions")
+    base = "semantics.h"
+    if dual is not None:
+        names |= {f"Dual{asked}": made for asked, made in dual.asked(records).items()}
+        dual_head, dual_body = dual.declared(records)
+        head, body = [*head, *dual_head], [*body, *dual_body]
+        code += dual.code("the same on dual numbers")
+        base = "dual.h"
+    guarded = [f"#ifndef {guard}", f"#define {guard}", "", f'#include "{base}"', *head]
+    head = [*notice, *guarded, "", "#endif", ""]
+    include = f'#include "{name}.h"'
+    body = [*comment(first.document), include, *body, *plain.constants(), *code, ""]
+    return Translation(name, "\n".join(head), "\n".join(body), names)
+
+
+def _unit(module: ModuleType, prefix: str, entries: Sequence[str], beside: Unit | None) -> Unit:
+    """A unit with the functions of those names and all that they call."""
     chosen = [getattr(module, entry) for entry in entries]
-    named = {(f.__module__, f.__name__): f"{name}_{f.__name__}" for f in chosen}
-    unit = Unit(source_of(module), named)
+    named = {(f.__module__, f.__name__): f"{prefix}{f.__name__}" for f in chosen}
+    unit = Unit(source_of(module), named, beside)
     for found in chosen:
         unit.translated(source_of(sys.modules[found.__module__]), found)
-    return unit.written(name, records)
+    return unit
 
 
 def part(physics: ModuleType, name: str) -> Translation:
-    """The physics of a part: `initial`, `advance` and `observe`."""
+    """The physics of a part: its entries, and the derivatives of its outputs."""
     records = {record: getattr(physics, record) for record in RECORDS}
-    return translated(physics, name, ENTRIES, records)
+    return translated(physics, name, ENTRIES, records, DERIVATIVES)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from ...errors import printable
@@ -83,6 +83,13 @@ def check_numbers(entry: Any, typed: Any, shown: str, findings: Findings) -> Non
         given = (typed.get("min"), typed.get("max"))
         if None not in map(bound, given) and bounds(*given) == (None, None):
             findings.warn(typed.sourceline, f"{shown} has min above max; both ignored", "bounds")
+
+
+def check_ports(ports: Iterable[Any], findings: Findings) -> None:
+    """Check our annotations of ports."""
+    for port in ports:
+        if not port.get("name") or port.get("order", "0") not in {"0", "1", "2"}:
+            findings.refuse(port, "the port's annotation needs a name and an order 0, 1 or 2")
 
 
 def _start_faults(kind: str, start: str | None) -> Iterator[str]:

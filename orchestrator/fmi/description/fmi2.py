@@ -17,6 +17,7 @@ from .checks import (
     check_choices,
     check_entry,
     check_numbers,
+    check_ports,
     check_type,
 )
 from .findings import Findings
@@ -57,9 +58,7 @@ def check(root: Any, findings: Findings) -> None:
     for unknown, shown in _misplaced(root):
         fault = f"ModelStructure names no variable '{shown}'; what depends on what is not read"
         findings.warn(unknown.sourceline, fault, "structure")
-    for port in root.iterfind("ModelVariables/*/Annotations/Tool[@name='resilin']/Port"):
-        if not port.get("name") or port.get("order", "0") not in {"0", "1", "2"}:
-            findings.refuse(port, "the port's annotation needs a name and an order 0, 1 or 2")
+    check_ports(root.iterfind("ModelVariables/*/Annotations/Tool[@name='resilin']/Port"), findings)
 
 
 def _misplaced(root: Any) -> Iterator[tuple[Any, str]]:

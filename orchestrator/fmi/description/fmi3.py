@@ -19,6 +19,7 @@ from .checks import (
     check_choices,
     check_entry,
     check_numbers,
+    check_ports,
     check_type,
 )
 from .findings import Findings
@@ -26,6 +27,8 @@ from .variable import Interface, Variable
 
 MOST_ELEMENTS = 500_000
 """Limit on the elements of all variables, and on the inputs that all outputs name."""
+PORT = "Annotations/Annotation[@type='resilin']/Port"
+"""Port and order of a variable in a description of ours."""
 TYPED = ({*BOUNDED} - {"Real", "Integer"}) | {"Boolean", "String", "Binary", "Clock"}
 
 
@@ -50,6 +53,7 @@ def check(root: Any, findings: Findings) -> None:
             findings.refuse(entry, f"{shown} has the value reference of {other}")
         check_numbers(entry, entry, shown, findings)
         check_type(entry, types, units, shown, findings)
+    check_ports(root.iterfind(f"ModelVariables/*/{PORT}"), findings)
     by_reference = {entry.get("valueReference"): entry for entry in variables}
     for entry in variables:
         for dimension in entry.findall("Dimension"):
@@ -157,6 +161,7 @@ def _elements(
     reference = entry.get("valueReference")
     usual = "continuous" if kind.startswith("Float") else "discrete"
     causality = entry.get("causality") or "local"
+    port = entry.find(PORT)
     for element, name in enumerate(names):
         yield Variable(
             name=name,
@@ -168,7 +173,8 @@ def _elements(
             start=starts[element],
             least=least,
             most=most,
-            port=entry.get("name") if len(names) > 1 else name.rpartition(".")[0],
+            port=_port(entry, port, len(names)),
+            order=0 if port is None else int(port.get("order", "0")),
             choices=tuple(item.get("name") for item in items),
             codes=tuple(int(item.get("value")) for item in items),
             depends=depends.get(reference),
@@ -178,6 +184,14 @@ def _elements(
             initial=entry.get("initial") or "",
             unit_defined=units.defines(attribute("unit")),
         )
+
+
+def _port(entry: Any, port: Any, count: int) -> str:
+    """Name of the port of a variable: of our annotation, of the array, or before the last dot."""
+    if port is not None:
+        return str(port.get("name"))
+    name = str(entry.get("name"))
+    return name if count > 1 else name.rpartition(".")[0]
 
 
 def _starts(entry: Any, kind: str, count: int) -> list[float | str | None]:

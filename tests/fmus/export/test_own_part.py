@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import build_fmus
-from fmus.export.new_part import FILES
+from fmus.export.new_part import FILES, ICONS
 from orchestrator.cli import app
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
@@ -61,7 +61,7 @@ def test_it_is_written_built_and_checked_by_two_commands(
     assert made.output.startswith("./coil is a spring that hardens.")
     assert made.output.endswith("then: resilin build ./coil\n")
     assert {path.name for path in Path("coil").iterdir()} == {
-        name.format(name="coil") for name in FILES.values()
+        name.format(name="coil") for name in (*FILES.values(), *ICONS)
     }
     built = resilin("build", "./coil")
     assert built.exit_code == 0, built.output

@@ -78,7 +78,6 @@ def test_what_is_not_there(linkage: tuple[Library, int]) -> None:
         assert library.call(unit, name, reference, COUNT(0), value) == OK
     none = COUNT(0)
     for name, arguments in {
-        "GetDirectionalDerivative": (None, none, None, none, None, None),
         "SetRealInputDerivatives": (None, none, None, None),
         "GetRealOutputDerivatives": (None, none, None, None),
         "CancelStep": (),

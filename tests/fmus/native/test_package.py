@@ -22,7 +22,7 @@ from tests.fmus.native.pair import Library, Pair
 from tests.fmus.native.wander import wander
 
 PARTS = build_fmus.compilable()
-DIFFERENT = {"guid", "generationTool", "needsExecutionTool"}
+DIFFERENT = {"guid", "generationTool", "needsExecutionTool", "providesDirectionalDerivative"}
 SOURCES = {"SourceFiles", "File"}
 
 
@@ -44,17 +44,21 @@ def test_the_description_is_that_of_the_python_fmu(library: Path, native: Path, 
     with zipfile.ZipFile(native / f"{name}.fmu") as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
         names = set(archive.namelist())
-    files = {"layer.c", "fmi2.h", "semantics.h", "words.h", "table.h", f"{name}.c", f"{name}.h"}
+    fixed = {"fmi2.c", "fmi2.h", "instance.h", "dual.h", "semantics.h"}
+    files = {*fixed, "words.h", "table.h", f"{name}.c", f"{name}.h"}
     assert names == {
         f"binaries/{link.own_platform()}/{name}{link.PLATFORMS[link.own_platform()].suffix}",
         "modelDescription.xml",
+        "documentation/index.html",
+        "model.png",
         *(f"sources/{file}" for file in files),
     }
     slave = root.find("CoSimulation")
     assert slave is not None
     assert slave.get("needsExecutionTool") == "false"
+    assert slave.get("providesDirectionalDerivative") == "true"
     assert [file.get("name") for file in slave.findall("SourceFiles/File")] == [
-        "layer.c", f"{name}.c"
+        "fmi2.c", f"{name}.c"
     ]  # fmt: skip
 
 
@@ -80,7 +84,7 @@ def test_sources_compile_without_a_warning(native: Path, tmp_path: Path) -> None
     for name in PARTS:
         with zipfile.ZipFile(native / f"{name}.fmu") as archive:
             archive.extractall(tmp_path / name)
-        files = [tmp_path / name / "sources" / file for file in ("layer.c", f"{name}.c")]
+        files = [tmp_path / name / "sources" / file for file in ("fmi2.c", f"{name}.c")]
         strict = [*command, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wno-unknown-pragmas"]
         link.compiled(files, tmp_path / name / "library", strict)
 
@@ -92,7 +96,7 @@ def test_several_parts_in_one_program(native: Path, tmp_path: Path) -> None:
     for name in ("spring", "payload"):
         with zipfile.ZipFile(native / f"{name}.fmu") as archive:
             archive.extractall(tmp_path / name)
-        for file in ("layer.c", f"{name}.c"):
+        for file in ("fmi2.c", f"{name}.c"):
             made = tmp_path / f"{name}-{file}.o"
             source = tmp_path / name / "sources" / file
             prefix = f"-DFMI2_FUNCTION_PREFIX={name}_"

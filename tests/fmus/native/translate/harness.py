@@ -17,6 +17,7 @@ from fmus.native.translate import unit, words
 
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wno-unknown-pragmas"]
 TAKEN = {float: "in[{k}]", int: "(int64_t)in[{k}]", bool: "in[{k}] != 0.0"}
+DUALS = TAKEN | {float: "dual_of(in[{k}], seed[{k}])"}
 
 
 class Translated:
@@ -24,7 +25,7 @@ class Translated:
 
     def __init__(self, module: ModuleType, names: Sequence[str], folder: Path) -> None:
         self._module = module
-        translation = unit.translated(module, "sample", names, {})
+        translation = unit.translated(module, "sample", names, {}, names)
         written(translation, folder)
         (folder / "calls.c").write_text(_calls(module, names), encoding="utf-8")
         self.source = translation.source
@@ -57,11 +58,20 @@ class Translated:
         cause: bytes | None = call(put, ctypes.byref(out))
         return _bits(out.value) if cause is None else cause.decode()
 
+    def dual(self, name: str, given: Sequence[float], seed: Sequence[float]) -> tuple[Any, float]:
+        """What `c` gives, but on dual numbers, and the slope of it along a seed."""
+        call = getattr(self._library, f"dual_call_{name}")
+        call.restype = ctypes.c_char_p
+        row = ctypes.c_double * len(given)
+        out = (ctypes.c_double * 2)()
+        cause: bytes | None = call(row(*map(float, given)), row(*seed), out)
+        return (_bits(out[0]) if cause is None else cause.decode()), out[1]
+
 
 def written(translation: unit.Translation, folder: Path) -> None:
     """The files of a translation, with the headers that they include."""
     for name, text in {
-        "semantics.h": (HERE / "semantics.h").read_text(encoding="utf-8"),
+        **{n: (HERE / n).read_text(encoding="utf-8") for n in ("semantics.h", "dual.h")},
         "words.h": words.header(),
         f"{translation.name}.h": translation.header,
         f"{translation.name}.c": translation.source,
@@ -94,6 +104,23 @@ def _calls(module: ModuleType, names: Sequence[str]) -> str:
             "    if (MARK(&fault))",
             "        return fault.cause;",
             f"    *out = (double)sample_{name}(&fault{given});",
+            "    return NULL;",
+            "}",
+        ]
+        dual = "".join(f", {DUALS[kind].format(k=k)}" for k, kind in enumerate(kinds))
+        whole = _kinds(getattr(module, name))[-1] is not float
+        made = f"sample_dual_{name}(&fault{dual})"
+        lines += [
+            '__attribute__((visibility("default")))',
+            f"const char *dual_call_{name}(const double *in, const double *seed, double *out);",
+            f"const char *dual_call_{name}(const double *in, const double *seed, double *out)",
+            "{",
+            "    Fault fault;",
+            "    (void)in, (void)seed;",
+            "    if (MARK(&fault))",
+            "        return fault.cause;",
+            f"    const Dual made = {f'dual_constant((double){made})' if whole else made};",
+            "    out[0] = made.value, out[1] = made.slope;",
             "    return NULL;",
             "}",
         ]

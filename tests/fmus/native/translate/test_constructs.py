@@ -63,6 +63,7 @@ def test_a_construct(both: Translated, name: str) -> None:
     for given in itertools.product(*(values[kind] for kind in both.kinds(name))):
         ours, theirs = both.c(name, *given), both.python(name, *given)
         assert ours == theirs, given
+        assert both.dual(name, given, [0.0] * len(given))[0] == ours, given
         answers.add(theirs)
     assert len(answers) > 1, "the arguments make no difference"
 

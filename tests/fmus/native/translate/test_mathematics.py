@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import itertools
 import math
+import struct
 import sys
 from collections.abc import Iterator
 
@@ -52,6 +53,28 @@ def test_functions_of_one_argument(both: Translated, name: str) -> None:
     for value in [*VALUES, *random]:
         ours, theirs = (call(f"call_{name}", value) for call in (both.c, both.python))
         assert ours == theirs, value
+
+
+@pytest.mark.parametrize("name", subset.ARGUMENTS)
+def test_derivatives(both: Translated, name: str) -> None:
+    """Slopes on dual numbers against central differences of fourth order."""
+    rng = np.random.default_rng(7)
+    count = subset.ARGUMENTS[name]
+    compared = 0
+    for _ in range(200):
+        given, seed = rng.uniform(-2.0, 2.0, count), rng.uniform(-1.0, 1.0, count)
+        value, slope = both.dual(f"call_{name}", given.tolist(), seed.tolist())
+        ours = [both.c(f"call_{name}", *(given + k * 1e-3 * seed)) for k in (-2, -1, 0, 1, 2)]
+        assert value == ours[2]
+        if not all(isinstance(each, bytes) for each in ours):
+            continue
+        at = [struct.unpack("<d", each)[0] for each in ours if isinstance(each, bytes)]
+        expected = (8.0 * (at[3] - at[1]) - (at[4] - at[0])) / 12e-3
+        rough = (at[3] - at[1]) / 2e-3
+        if math.fabs(expected - rough) < 1e-5 * (1.0 + math.fabs(rough)):
+            assert slope == pytest.approx(expected, rel=1e-6, abs=1e-7), given
+            compared += 1
+    assert compared > 20
 
 
 @pytest.mark.parametrize("name", [n for n, count in subset.ARGUMENTS.items() if count == 2])

@@ -1,0 +1,81 @@
+/*
+The FMI 3.0 interface, as far as a part offers it: types by the names of the standard, written for
+this project.
+
+Functions are exported under their own names. A program that links several parts statically gives
+each a prefix of its own: -DFMI3_FUNCTION_PREFIX=amplifier_
+*/
+#ifndef FMI3_H
+#define FMI3_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define fmi3Version "3.0"
+
+typedef void *fmi3Instance;
+typedef void *fmi3InstanceEnvironment;
+typedef void *fmi3FMUState;
+typedef unsigned int fmi3ValueReference;
+typedef float fmi3Float32;
+typedef double fmi3Float64;
+typedef int8_t fmi3Int8;
+typedef uint8_t fmi3UInt8;
+typedef int16_t fmi3Int16;
+typedef uint16_t fmi3UInt16;
+typedef int32_t fmi3Int32;
+typedef uint32_t fmi3UInt32;
+typedef int64_t fmi3Int64;
+typedef uint64_t fmi3UInt64;
+typedef bool fmi3Boolean;
+typedef char fmi3Char;
+typedef const fmi3Char *fmi3String;
+typedef uint8_t fmi3Byte;
+typedef const fmi3Byte *fmi3Binary;
+typedef bool fmi3Clock;
+
+typedef enum { fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal } fmi3Status;
+typedef enum {
+    fmi3Independent,
+    fmi3Constant,
+    fmi3Fixed,
+    fmi3Tunable,
+    fmi3Discrete,
+    fmi3Dependent
+} fmi3DependencyKind;
+typedef enum {
+    fmi3IntervalNotYetKnown,
+    fmi3IntervalUnchanged,
+    fmi3IntervalChanged
+} fmi3IntervalQualifier;
+
+typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment environment, fmi3Status status,
+                                       fmi3String category, fmi3String message);
+typedef void (*fmi3ClockUpdateCallback)(fmi3InstanceEnvironment environment);
+typedef void (*fmi3IntermediateUpdateCallback)(
+    fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boolean inputs_wanted,
+    fmi3Boolean outputs_there, fmi3Boolean step_finished, fmi3Boolean can_return_early,
+    fmi3Boolean *return_early, fmi3Float64 *return_time);
+typedef void (*fmi3LockPreemptionCallback)(void);
+typedef void (*fmi3UnlockPreemptionCallback)(void);
+
+#ifdef FMI3_FUNCTION_PREFIX
+#define FMI3_JOINED(prefix, name) prefix##name
+#define FMI3_NAMED(prefix, name) FMI3_JOINED(prefix, name)
+#define FMI3(name) FMI3_NAMED(FMI3_FUNCTION_PREFIX, name)
+#define FMI3_EXPORT
+#elif defined(_WIN32)
+#define FMI3(name) name
+#define FMI3_EXPORT __declspec(dllexport)
+#elif defined(__GNUC__)
+#define FMI3(name) name
+#define FMI3_EXPORT __attribute__((visibility("default")))
+#else
+#define FMI3(name) name
+#define FMI3_EXPORT
+#endif
+
+#define FMI3_STATUS(name) FMI3_EXPORT fmi3Status FMI3(name)
+
+#endif
