@@ -7,7 +7,13 @@ with the inputs it has kept, so what it writes there comes out of the second pas
 status 3 if anything of Python is in the process.
 */
 #define _GNU_SOURCE
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#include <windows.h>
+#else
 #include <dlfcn.h>
+#endif
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,9 +25,39 @@ status 3 if anything of Python is in the process.
 
 static void *library;
 
+#ifdef _WIN32
+static void *opened(const char *path)
+{
+    _setmode(_fileno(stdin), _O_BINARY);
+    _setmode(_fileno(stdout), _O_BINARY);
+    void *found = LoadLibraryA(path);
+    if (!found)
+        fprintf(stderr, "%s: error %lu\n", path, GetLastError());
+    return found;
+}
+
+static void *symbol(const char *name)
+{
+    return (void *)GetProcAddress(library, name);
+}
+#else
+static void *opened(const char *path)
+{
+    void *found = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!found)
+        fprintf(stderr, "%s\n", dlerror());
+    return found;
+}
+
+static void *symbol(const char *name)
+{
+    return dlsym(library, name);
+}
+#endif
+
 static void *function(const char *name)
 {
-    void *found = dlsym(library, name);
+    void *found = symbol(name);
     if (!found) {
         fprintf(stderr, "no %s\n", name);
         exit(2);
@@ -71,11 +107,9 @@ int main(int count, char **given)
     size_t inputs = strtoul(given[3], NULL, 10), parameters = strtoul(given[4], NULL, 10);
     size_t outputs = strtoul(given[5], NULL, 10), steps = strtoul(given[6], NULL, 10);
     double size = strtod(given[7], NULL);
-    library = dlopen(given[1], RTLD_NOW | RTLD_LOCAL);
-    if (!library) {
-        fprintf(stderr, "%s\n", dlerror());
+    library = opened(given[1]);
+    if (!library)
         return 2;
-    }
     fmi2InstantiateTYPE *instantiate = function("fmi2Instantiate");
     fmi2SetupExperimentTYPE *setup = function("fmi2SetupExperiment");
     fmi2EnterInitializationModeTYPE *enter = function("fmi2EnterInitializationMode");

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import struct
-import subprocess
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 
@@ -15,14 +13,11 @@ from fmus.native.translate import subset
 from orchestrator.fmi.archive import extract
 from orchestrator.fmi.description import read_interface
 from orchestrator.fmi.instance.library import shared_library
+from tests.fmus.native.hosted import SIZE, answers, compiled_host, groups, sent
 from tests.fmus.native.pair import slave_class
 from tests.foreign.build import _compiler
-from tests.processes import fresh
 
 PARTS = build_fmus.compilable()
-SOURCE = Path(__file__).with_name("host.c")
-STEPS = 60
-SIZE = 1e-4
 LIBM = {*subset.ARGUMENTS, "fmod"}
 ALLOWED = LIBM | {
     "bcmp", "calloc", "free", "malloc", "memcmp", "memcpy", "memset", "snprintf", "strcmp",
@@ -34,14 +29,8 @@ ALLOWED = LIBM | {
 
 @pytest.fixture(scope="module")
 def host(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The host, compiled."""
-    program = tmp_path_factory.mktemp("host") / "host"
-    headers = Path(fmpy.__file__).parent / "c-code"
-    command = [*_compiler(), "-std=gnu2x", "-O1", "-Wall", "-Werror", "-fno-sanitize=undefined"]
-    command += [f"-I{headers}", str(SOURCE), "-o", str(program), "-ldl"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return program
+    """The host for this machine."""
+    return compiled_host(tmp_path_factory.mktemp("host") / "host", _compiler(), "-ldl")
 
 
 @pytest.mark.parametrize("name", PARTS)
@@ -50,31 +39,17 @@ def test_a_host_in_c_gets_the_same_bits(
 ) -> None:
     fmu = native / f"{name}.fmu"
     extract(fmu, tmp_path)
-    interface = read_interface(fmu)
+    found = answers([host], fmu, shared_library(read_interface(fmu), tmp_path))
     slave = slave_class(name)(instance_name="unit")
-    groups = {
-        kind: [k for k, v in enumerate(slave.part.variables) if v.causality == kind]
-        for kind in ("input", "parameter", "output")
-    }
-    starts = np.array([slave.part.variables[k].start for k in groups["input"]])
-    rows = starts * (1.0 + 0.1 * np.sin(np.arange(STEPS)[:, None] + np.arange(len(starts))))
-    sizes = [str(len(group)) for group in groups.values()]
-    library = shared_library(interface, tmp_path)
-    done = subprocess.run(
-        fresh(host, library, interface.guid, *sizes, STEPS, repr(SIZE)),
-        input=rows.tobytes(),
-        capture_output=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr.decode()
+    references = groups(name)
     slave.setup_experiment(0.0, None, None)
     slave.exit_initialization_mode()
-    own = [slave.get_real(groups["output"])]
-    for k, row in enumerate(rows):
-        slave.set_real(groups["input"], row.tolist())
+    own = [slave.get_real(references["output"])]
+    for k, row in enumerate(sent(name)):
+        slave.set_real(references["input"], row.tolist())
         assert slave.do_step(k * SIZE, SIZE)
-        own.append(slave.get_real(groups["output"]))
-    assert done.stdout == np.array(own).tobytes()
+        own.append(slave.get_real(references["output"]))
+    assert found == np.array(own).tobytes()
 
 
 def undefined(library: bytes) -> set[str]:
