@@ -24,6 +24,9 @@ def _lines(outcome: Outcome) -> Iterator[str]:
     yield pace(outcome)
     for place, text in outcome.unseen.items():
         yield f"{printable(place)}: {printable(text, most=LONGEST)}"
+    for name, changes in outcome.texts.items():
+        last = printable(changes[-1][1]) if changes else ""
+        yield f"{printable(name)}: {len(changes)} texts, the last {last!r}"
     if outcome.doubt:
         yield f"no error estimate: {printable(outcome.doubt, most=LONGEST)}"
 

@@ -11,7 +11,7 @@ import json
 import re
 import tempfile
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
@@ -29,6 +29,7 @@ from .segments import Column, Segments, assemble, clear_of_nothing, folder_of, f
 if TYPE_CHECKING:
     import xarray
 from .outcome import Estimate, Outcome
+from .texts import Change, Texts, texts_at
 
 
 def dataset(outcome: Outcome) -> xarray.Dataset:
@@ -40,21 +41,27 @@ def dataset(outcome: Outcome) -> xarray.Dataset:
     """
     import xarray
 
-    data = {
-        column.name: ("time", outcome.rows[:, k], dict(column.attributes))
-        for k, column in enumerate(columns(outcome.plan, outcome.estimates))
-    }
+    data = {}
+    for k, column in enumerate(columns(outcome.plan, outcome.texts, outcome.estimates)):
+        numbers = column.changes is None
+        found = outcome.rows[:, k] if numbers else texts_at(column.changes or (), outcome.times)
+        data[column.name] = ("time", found, dict(column.attributes))
     time = ("time", outcome.times, {"units": "s", "long_name": "Time at which values hold"})
     return xarray.Dataset(data, coords={"time": time}, attrs=attributes(outcome))
 
 
-def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Column]:
-    """Name and attributes of each recorded variable, under names that netCDF takes."""
+def columns(
+    plan: Plan,
+    texts: Mapping[str, Sequence[Change]],
+    estimates: dict[str, Estimate] | None = None,
+) -> list[Column]:
+    """Each recorded variable under a name that netCDF takes: first the numbers, then the texts."""
     made: list[Column] = []
     taken: set[str] = set()
-    for index, (component, variable) in enumerate(plan.records):
+    for index, (component, variable) in enumerate([*plan.records, *plan.texts]):
         name = f"{component}.{variable.name}"
-        noted: dict[str, Any] = {"units": variable.unit, "long_name": variable.description}
+        noted: dict[str, Any] = {"units": variable.unit} if variable.numeric else {}
+        noted["long_name"] = variable.description
         if name in (estimates or {}):
             noted["estimated_error"] = (estimates or {})[name].error
         safe = netcdf_name(name)
@@ -63,7 +70,7 @@ def columns(plan: Plan, estimates: dict[str, Estimate] | None = None) -> list[Co
         while safe in taken:
             safe = f"{safe}_{index}"
         taken.add(safe)
-        made.append(Column(safe, noted))
+        made.append(Column(safe, noted, texts.get(name)))
     return made
 
 
@@ -100,6 +107,7 @@ def provenance(plan: Plan) -> dict[str, Any]:
         "laws": plan.scenario.master.laws,
         "communication_step": plan.grid.step,
         "frequency": plan.frequency or 0.0,
+        "texts": json.dumps(plan.text_names),
     }
 
 
@@ -127,7 +135,8 @@ def attributes(outcome: Outcome) -> dict[str, Any]:
 def segments_for(plan: Plan, path: Path) -> Segments:
     """Segments for the rows of a long run, in a folder beside the result."""
     unfinished = provenance(plan) | {"complete": 0, "reason": "the run was killed"}
-    return Segments(folder_of(path), columns(plan), unfinished)
+    texts = Texts(plan.text_names)
+    return Segments(folder_of(path), columns(plan, texts.changes), unfinished, texts)
 
 
 @contextmanager
@@ -186,7 +195,7 @@ def write(outcome: Outcome, path: Path) -> Path:
     try:
         _assembled(
             target,
-            columns(outcome.plan, outcome.estimates),
+            columns(outcome.plan, outcome.texts, outcome.estimates),
             attributes(outcome),
             chain(pieces, [(outcome.times, outcome.rows)]),
         )

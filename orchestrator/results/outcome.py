@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..scenario.plan import Plan
 from .segments import Segments
+from .texts import Change, texts_at
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Outcome:
     variable: :mod:`orchestrator.results.error_estimate`. `python_loop` is the reason why the
     communication loop ran in Python, "" for the compiled one. `segments` holds the rows of a long
     run that have left memory; `times` and `rows` are then the last ones. `reports` are those of
-    each instance.
+    each instance, `texts` the changes of each recorded text.
     """
 
     plan: Plan
@@ -68,6 +69,7 @@ class Outcome:
     doubt: str = ""
     python_loop: str = ""
     reports: dict[str, Report] = field(default_factory=dict)
+    texts: Mapping[str, Sequence[Change]] = field(default_factory=dict)
 
     @property
     def kept(self) -> int:
@@ -79,8 +81,10 @@ class Outcome:
         """Time [s] from the start of the run to its last communication point kept."""
         return float(self.times[-1] - self.plan.grid.start) if len(self.times) else 0.0
 
-    def series(self, name: str) -> NDArray[np.float64]:
-        """Recorded values of `component.variable`."""
+    def series(self, name: str) -> NDArray[Any]:
+        """Recorded values of `component.variable`, numbers or texts."""
+        if name in self.texts:
+            return texts_at(self.texts[name], self.times)
         return np.asarray(self.rows[:, self.names.index(name)])
 
     def checked(self) -> Self:

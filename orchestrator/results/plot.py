@@ -61,6 +61,10 @@ def overlay(
     units = {
         name: unit for data in reversed(list(runs.values())) for name, unit in data.units.items()
     }
+    texts = [name for data in runs.values() for name in data.texts]
+    for pattern in patterns or ():
+        if pattern in texts:
+            raise InputError(f"--variable {pattern!r}: is a text, of which there is no curve")
     if not units:
         raise InputError("no variable was recorded, so there is nothing to draw")
     panels = _chosen(units, patterns) if patterns else _panels(units, first.plot or {})

@@ -32,7 +32,9 @@ def with_recorded_ports(plan: Plan, part: str) -> Plan:
         raise InputError(f"--part {part}: has no output that is a number")
     record = plan.scenario.record.model_copy(update={"every": 1, "last": None})
     scenario = plan.scenario.model_copy(update={"record": record})
-    return replace(plan, scenario=scenario, records=[(part, v) for v in kept], keep_from=-inf)
+    return replace(
+        plan, scenario=scenario, records=[(part, v) for v in kept], texts=[], keep_from=-inf
+    )
 
 
 def _outputs(plan: Plan, part: str) -> list[Variable]:

@@ -6,7 +6,7 @@ Metrics and plots read them from here, so that neither needs the library that la
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,7 +35,8 @@ class Recorded:
     """Times [s], and series and units by `component.variable`.
 
     `frequency` [Hz] is that of the drive, 0 without one; `metrics` and `plot` are the scenario's
-    own tables; `metric_errors` are estimated, in SI.
+    own tables; `metric_errors` are estimated, in SI. `texts` names what was recorded that is no
+    number, and is not among the series.
     """
 
     times: Values
@@ -46,6 +47,7 @@ class Recorded:
     metrics: Mapping[str, Any] | None = None
     plot: Mapping[str, Any] | None = None
     metric_errors: Mapping[str, float] = field(default_factory=dict)
+    texts: Sequence[str] = ()
 
 
 def recorded(source: Recorded | Outcome | xarray.Dataset) -> Recorded:
@@ -70,11 +72,14 @@ def _of_outcome(outcome: Outcome) -> Recorded:
         metrics={"cycles": scenario.metrics.cycles, **scenario.metrics.defined},
         plot=dict(scenario.plot),
         metric_errors=outcome.metric_errors,
+        texts=plan.text_names,
     )
 
 
 def _of_dataset(data: xarray.Dataset) -> Recorded:
-    names = {str(name): str(data[name].attrs.get("original_name", name)) for name in data.data_vars}
+    texts = _listed(data.attrs, "texts")
+    named = {str(name): str(data[name].attrs.get("original_name", name)) for name in data.data_vars}
+    names = {name: own for name, own in named.items() if own not in texts}
     return Recorded(
         times=np.asarray(data["time"].values, dtype=float),
         series={own: np.asarray(data[name].values) for name, own in names.items()},
@@ -84,7 +89,16 @@ def _of_dataset(data: xarray.Dataset) -> Recorded:
         metrics=scenario_table(data.attrs, "metrics"),
         plot=scenario_table(data.attrs, "plot"),
         metric_errors=_metric_errors(data.attrs),
+        texts=texts,
     )
+
+
+def _listed(attributes: Mapping[str, Any], key: str) -> list[str]:
+    """Names that an attribute lists; none of one that cannot be read."""
+    try:
+        return [str(name) for name in json.loads(attributes.get(key, "[]"))]
+    except (TypeError, ValueError):
+        return []
 
 
 def _metric_errors(attributes: Mapping[str, Any]) -> dict[str, float]:
@@ -158,4 +172,5 @@ def _of_file(path: Path, file: BinaryFile, most: int) -> Recorded:
         metrics=scenario_table(file.attributes, "metrics"),
         plot=scenario_table(file.attributes, "plot"),
         metric_errors=_metric_errors(file.attributes),
+        texts=_listed(file.attributes, "texts"),
     )

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ..errors import InputError, OutputError
 from ..report.files import written_whole
 from .lock import Lock
+from .texts import Change, Texts, texts_at
 
 Values = NDArray[np.float64]
 MANIFEST = "manifest.json"
@@ -31,20 +32,31 @@ CODED: dict[str, Any] = {"zlib": True, "complevel": 1, "fletcher32": True}
 
 @dataclass(frozen=True)
 class Column:
-    """A variable of a result: its name in the file and its attributes."""
+    """A variable of a result: its name in the file and its attributes; `changes` where a text."""
 
     name: str
     attributes: Mapping[str, Any]
+    changes: Sequence[Change] | None = None
 
 
 class Segments:
-    """Closed pieces of one run in a folder, made when the first one is written."""
+    """Closed pieces of one run in a folder, made when the first one is written.
 
-    def __init__(self, folder: Path, columns: Sequence[Column], attributes: Mapping[str, Any]):
+    `texts` are noted with each piece: those that the columns of texts show.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        columns: Sequence[Column],
+        attributes: Mapping[str, Any],
+        texts: Texts | None = None,
+    ) -> None:
         self.folder = folder
         self.columns = list(columns)
         self.attributes = dict(attributes)
         self.digests: dict[str, str] = {}
+        self.texts = texts or Texts(())
         self.rows = 0
         self.lock = Lock(folder)
 
@@ -85,7 +97,7 @@ class Segments:
 
     def _note(self, digests: Mapping[str, str]) -> None:
         """Bring the manifest up to date; the file is whole at any time."""
-        columns = [[column.name, dict(column.attributes)] for column in self.columns]
+        columns = [[c.name, dict(c.attributes), c.changes] for c in self.columns]
         text = json.dumps({"segments": digests, "columns": columns, "attributes": self.attributes})
         with written_whole(self.folder / MANIFEST) as waiting:
             waiting.write_text(text, encoding="utf-8")
@@ -155,7 +167,7 @@ def found(folder: Path) -> Segments:
                 " the next run of this name takes its place"
             )
         known = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-        columns = [Column(name, noted) for name, noted in known["columns"]]
+        columns = [Column(*column) for column in known["columns"]]
         segments = Segments(folder, columns, known["attributes"])
         segments.digests = dict(known["segments"])
         segments.lock = lock
@@ -181,19 +193,26 @@ def assemble(
         chunk = (4096,)
         time = file.createVariable("time", "f8", ("time",), chunksizes=chunk, **CODED)
         time.setncatts({"units": "s", "long_name": "Time at which values hold"})
-        variables = []
+        numbers, texts = [], []
         for column in columns:
+            if column.changes is not None:
+                variable = file.createVariable(column.name, str, ("time",), chunksizes=chunk)
+                variable.setncatts(dict(column.attributes))
+                texts.append((variable, column.changes))
+                continue
             variable = file.createVariable(
                 column.name, "f8", ("time",), chunksizes=chunk, fill_value=np.nan, **CODED
             )
             variable.setncatts(dict(column.attributes))
-            variables.append(variable)
+            numbers.append(variable)
         first = 0
         for times, rows in pieces:
             last = first + len(times)
             time[first:last] = times
-            for k, variable in enumerate(variables):
+            for k, variable in enumerate(numbers):
                 variable[first:last] = rows[:, k]
+            for variable, changes in texts:
+                variable[first:last] = texts_at(changes, times)
             first = last
 
 

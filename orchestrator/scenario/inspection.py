@@ -74,7 +74,7 @@ def facts(plan: Plan) -> dict[str, Any]:
             for name, r in plan.recordings.items()
         },
         "dropped": plan.dropped,
-        "records": plan.record_names,
+        "records": plan.record_names + plan.text_names,
         "time": {
             "start": plan.grid.start,
             "stop": plan.grid.stop,
@@ -200,10 +200,11 @@ def _time(plan: Plan) -> Table:
     grid = plan.grid
     table = Table("start", "stop", "step", "steps", "frequency", "recorded", title="time")
     frequency = f"{plan.frequency:g} Hz" if plan.frequency else "none"
+    texts = f" and {len(plan.texts)} texts" if plan.texts else ""
     table.add_row(
         f"{grid.start:g} s", f"{grid.stop:g} s",
         "auto" if _is_open(plan) else f"{grid.step:.6g} s",
         "a run chooses" if _is_open(plan) else str(grid.count),
-        frequency, f"{len(plan.records)} variables",
+        frequency, f"{len(plan.records)} variables{texts}",
     )  # fmt: skip
     return table

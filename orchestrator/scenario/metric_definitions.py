@@ -11,11 +11,12 @@ from .schema import Scenario
 
 def check_metrics(scenario: Scenario, interfaces: dict[str, Interface], problems: Problems) -> None:
     """Note each metric that cannot be read, or names a variable that does not exist."""
-    units = {
-        f"{name}.{variable.name}": variable.unit
+    variables = {
+        f"{name}.{variable.name}": variable
         for name, interface in interfaces.items()
         for variable in interface.variables.values()
     }
+    units = {name: variable.unit for name, variable in variables.items()}
     outputs = [f"{c}.{v.name}" for c, i in interfaces.items() for v in i.of("output")]
     for name, text in scenario.metrics.defined.items():
         key = f"metrics.{printable(name)}"
@@ -25,6 +26,9 @@ def check_metrics(scenario: Scenario, interfaces: dict[str, Interface], problems
                 if variable not in units:
                     hint = nearest(variable, outputs)
                     raise ValueError(f"no output {printable(variable)!r}; {hint}")
+                if not variables[variable].numeric:
+                    kind = variables[variable].kind
+                    raise ValueError(f"{printable(variable)} is a {kind}; metrics are of numbers")
             unit_of(expression, units)
         except (ValueError, UnitError) as error:
             problems.add(key, error)

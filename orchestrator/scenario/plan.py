@@ -48,7 +48,7 @@ class Plan:
     kept; `step_reason` is the reason for the step where the scenario left it open. `recordings`
     take the place of parts; `dropped` lists what the scenario loses by that, and by other FMUs in
     the place of those of a base scenario. `digests` are the SHA-256 of the components' files, taken
-    when they were checked.
+    when they were checked. `texts` are the String variables that are recorded beside `records`.
     """
 
     scenario: Scenario
@@ -69,11 +69,17 @@ class Plan:
     recordings: dict[str, Recording] = field(default_factory=dict)
     dropped: list[str] = field(default_factory=list)
     digests: dict[str, str] = field(default_factory=dict)
+    texts: list[tuple[str, Variable]] = field(default_factory=list)
 
     @property
     def record_names(self) -> list[str]:
         """The recorded variables as `component.variable`, in the order of `records`."""
         return [f"{name}.{variable.name}" for name, variable in self.records]
+
+    @property
+    def text_names(self) -> list[str]:
+        """The recorded texts as `component.variable`, in the order of `texts`."""
+        return [f"{name}.{variable.name}" for name, variable in self.texts]
 
     @property
     def leading(self) -> list[str]:
@@ -146,7 +152,8 @@ def check(scenario: Scenario, path: Path, library: Path = LIBRARY) -> Plan:
         connections=connections,
         held=held,
         order=order,
-        records=records,
+        records=[(name, variable) for name, variable in records if variable.numeric],
+        texts=[(name, variable) for name, variable in records if not variable.numeric],
         grid=grid,
         frequency=frequency,
         actions=actions,
@@ -375,7 +382,10 @@ def _records(
 
 
 RECORDABLE = (("output",), ("local",), ("parameter", "calculatedParameter"))
-"""What a pattern stands for: outputs; where none matches, local variables; then parameters."""
+"""What a pattern stands for: outputs; where none matches, local variables; then parameters.
+
+A String is recorded where it is named whole.
+"""
 
 
 def _matching(component: str, interface: Interface, pattern: str) -> list[str]:
@@ -384,7 +394,8 @@ def _matching(component: str, interface: Interface, pattern: str) -> list[str]:
         if found := [
             v.name
             for v in interface.of(*causalities)
-            if v.numeric and _matches(f"{component}.{v.name}", pattern)
+            if (v.numeric and _matches(f"{component}.{v.name}", pattern))
+            or (v.kind == "String" and f"{component}.{v.name}" == pattern)
         ]:
             return found
     return []

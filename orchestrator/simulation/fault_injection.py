@@ -108,6 +108,10 @@ class FaultyInstance(Instance):
                 else:
                     self._output[k] += fault.size * _deviate(fault.seed, self._time)
 
+    def texts(self, variables: list[Variable]) -> list[str]:
+        """Pass on: no fault concerns a text."""
+        return self._instance.texts(variables)
+
     def set(self, start: dict[str, float | str]) -> None:
         """Pass on."""
         self._instance.set(start)

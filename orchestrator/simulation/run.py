@@ -79,7 +79,8 @@ def estimated(outcome: Outcome, *, interrupt: Interrupt | None = None) -> Outcom
     if outcome.kept * len(outcome.names) > MOST_HELD:
         return replace(outcome, doubt="the run is too long to be held in memory; see record.last")
     try:
-        again = _stepped(outcome.plan, halved(outcome.points), interrupt=interrupt)
+        plan = replace(outcome.plan, texts=[])
+        again = _stepped(plan, halved(outcome.points), interrupt=interrupt)
     except ResilinError as error:
         return replace(outcome, doubt=f"the second run, at half the step, fails: {error}")
     if isinstance(again.failure, Interrupted):

@@ -11,6 +11,7 @@ from typing import Any
 from ..errors import OutputError, SimulationError
 from ..results.outcome import Outcome, Report
 from ..results.segments import Segments
+from ..results.texts import Texts
 from ..scenario.plan import Plan
 from .compiled.drive import drive, drive_controlled, unsuited
 from .energy_audit import Audit
@@ -21,6 +22,7 @@ from .rollback_probe import check_rollback
 from .step_control import adaptive
 from .stepper import Stepper
 from .system import System
+from .text_recorder import TextRecorder
 
 
 def stepped(
@@ -32,11 +34,12 @@ def stepped(
     segments: Segments | Sink | None = None,
     observers: Sequence[Observer] = (),
     memory: Memory | None = None,
+    texts: Texts | None = None,
 ) -> Outcome:
     """Step a system through its plan's time span, or over given points.
 
-    `memory` is where rows go, by default arrays of this process. A failure in mid-run does not
-    raise: the outcome carries it.
+    `memory` is where rows go, by default arrays of this process, and `texts` where texts are noted.
+    A failure in mid-run does not raise: the outcome carries it.
     """
     plan = system.plan
     settings = plan.scenario.master
@@ -47,7 +50,12 @@ def stepped(
     recorder = Recorder(system, plan.scenario.record.every, segments, memory)
     bar = Progress(plan) if progress else None
     even = tolerance is None and points is None
-    watching: list[Watcher] = [Guard(system, growth=even), recorder]
+    watching: list[Watcher] = [Guard(system, growth=even)]
+    if texts is None:
+        texts = segments.texts if isinstance(segments, Segments) else Texts(plan.text_names)
+    if plan.texts:
+        watching.append(TextRecorder(system, plan.scenario.record.every, texts))
+    watching.append(recorder)
     audit = Audit(system)
     if even and audit.couplings:
         watching.append(audit)
@@ -76,6 +84,7 @@ def stepped(
         names=recorder.names,
         times=recorder.times,
         rows=recorder.rows,
+        texts=texts.changes,
         wall_time=perf_counter() - begun,
         steps=steps,
         calls={m.instance.name: m.instance.steps for m in system.instances},

@@ -221,6 +221,7 @@ static void observe(State *s)
 {
     if (!s->ready)
         s->cells[V_open].Boolean[0] = R(level) < R(high);
+    strcpy(s->cells[V_state].String, s->cells[V_open].Boolean[0] ? "geöffnet" : "zu");
 }
 
 static void integrate(State *s, double size)

@@ -204,6 +204,7 @@ RELAY = (
     _parameter("low", "1", "The valve opens below it", 0.4),
     _parameter("high", "1", "The valve closes above it", 0.6),
     replace(_OPEN, causality="output", start=None),
+    Variable("state", "String", "output", "The valve in words", variability="discrete"),
 )
 
 FAULTY = (
@@ -275,6 +276,6 @@ MODELS: dict[str, tuple[str, tuple[Variable, ...]]] = {
     "TYPES": ("Echoes of every type of variable", ()),
     "DECAY": ("x' = -k x, with a start value, a file and a local variable", DECAY),
     "TANK": ("level' = open inflow - k level, with a Boolean input", TANK),
-    "RELAY": ("A two-point controller with a Boolean output", RELAY),
+    "RELAY": ("A two-point controller with a Boolean output and a text", RELAY),
     "FAULTY": ("A gain that fails on demand", FAULTY),
 }

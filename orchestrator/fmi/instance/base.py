@@ -95,6 +95,10 @@ class Instance(ABC):
     def receive(self, group: int = -1) -> None:
         """Fill the output buffer, up to a group; all by default."""
 
+    def texts(self, variables: list[Variable]) -> list[str]:
+        """Present texts of String variables; of a kind of instance that has any."""
+        raise NotImplementedError
+
     @abstractmethod
     def set(self, start: dict[str, float | str]) -> None:
         """Set tunable parameters by name, between steps."""

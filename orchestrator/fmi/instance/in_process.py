@@ -185,6 +185,18 @@ class InProcessInstance(Instance):
         if status or (self.faults and self._running):
             self._fail("reading outputs", status or 3)
 
+    def texts(self, variables: list[Variable]) -> list[str]:
+        return [self._text(variable) for variable in variables]
+
+    def _text(self, variable: Variable) -> str:
+        """The present text of a String, or of one element of an array of them."""
+        pointers = np.zeros(variable.extent, dtype=np.uintp)
+        status = self._bind("Get", "String", [variable.reference], pointers)()
+        if status or (self.faults and self._running):
+            self._fail(f"reading {variable.name}", status or 3)
+        there = int(pointers[variable.element])
+        return ctypes.string_at(there).decode("utf-8", "replace") if there else ""
+
     def step(self, time: float, size: float) -> None:
         self.steps += 1
         status = self._advance(time, size)

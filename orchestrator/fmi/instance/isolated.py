@@ -159,8 +159,15 @@ class IsolatedInstance(Instance):
             raise InstanceFailure(f"{self.name}: its process sent other values than were asked for")
         self._outputs[:] = np.frombuffer(values)
 
+    def texts(self, variables: list[Variable]) -> list[str]:
+        self._flush()
+        found = self._ask(b"w", [v.name for v in variables], "reading texts")
+        if not isinstance(found, list) or len(found) != len(variables):
+            raise InstanceFailure(f"{self.name}: its process sent other texts than were asked for")
+        return [str(text) for text in found]
+
     def _flush(self) -> None:
-        """Pass on inputs that wait, before a state is saved."""
+        """Pass on inputs that wait, before a state is saved or texts are read."""
         if self._fresh:
             self._exchange(b"g", b"\x00" + self._inputs.tobytes(), "setting inputs")
             self._fresh = False

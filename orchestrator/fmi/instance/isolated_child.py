@@ -116,6 +116,9 @@ class Host:
             instance.enter_initialisation()
         elif letter == "x":
             instance.exit_initialisation()
+        elif letter == "w":
+            known = instance.interface.variables
+            return instance.texts([known[name] for name in given])
         elif letter == "q":
             instance.close()
         return None

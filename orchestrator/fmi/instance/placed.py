@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..description import Interface
+from ..description import Interface, Variable
 from . import kind_of
 from .in_process import InProcessInstance
 from .message_log import FAULTY, MOST_MESSAGES
@@ -84,6 +84,10 @@ class _Placed(InProcessInstance):
     def receive(self, group: int = -1) -> None:
         with self.place.at(RECEIVE):
             super().receive(group)
+
+    def texts(self, variables: list[Variable]) -> list[str]:
+        with self.place.at(RECEIVE):
+            return super().texts(variables)
 
     def save(self) -> Any:
         with self.place.at(SAVE):

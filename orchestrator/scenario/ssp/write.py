@@ -209,7 +209,7 @@ def _used(package: Package) -> list[tuple[str, Variable]]:
     for key in package.starts:
         component, _, name = key.partition(".")
         found[component, name] = _variable(plan, key)
-    for component, variable in plan.records:
+    for component, variable in [*plan.records, *plan.texts]:
         if variable.causality == "output":
             found[component, variable.name] = variable
     return [(component, variable) for (component, _), variable in found.items()]

@@ -22,11 +22,12 @@ from ...fmi.instance import Instance
 from ...fmi.instance.child_process import limit_memory, serve_pipes
 from ...fmi.instance.placed import placed_instance
 from ...fmi.instance.protocol import COMMAND, answer, read_exactly, write_all
+from ...results.texts import Texts
 from ...scenario.processes import shared_memory
 from ..interrupt import Interrupt, Interrupted
 from ..stepping import stepped
 from ..system import System, home
-from .job import DONE, FULL, MESSAGE, REFUSED, REPORT, WRITTEN, Job, noted, report
+from .job import DONE, FULL, MESSAGE, REFUSED, REPORT, TEXT, WRITTEN, Job, noted, report
 from .shared import Board, Header, SharedRows
 
 
@@ -73,6 +74,20 @@ class DistantSegments:
             raise OutputError(text.decode())
 
 
+class DistantTexts(Texts):
+    """Texts that the master keeps: it hears of each change."""
+
+    def __init__(self, names: list[str], pipe: Pipe) -> None:
+        super().__init__(names)
+        self._pipe = pipe
+
+    def note(self, name: str, time: float, text: str) -> bool:
+        changed = super().note(name, time, text)
+        if changed:
+            self._pipe.tell(TEXT, [name, time, text])
+        return changed
+
+
 def serve(pipe: Pipe) -> None:
     """Carry out jobs until the pipe ends, within the memory of the first."""
     job: Job = pickle.loads(pipe.take()[1])
@@ -108,6 +123,7 @@ def _carry_out(job: Job, pipe: Pipe) -> None:
                 interrupt=StopFlag(board.header),
                 segments=DistantSegments(pipe) if job.segmented else None,
                 memory=SharedRows(job.files),
+                texts=DistantTexts(job.plan.text_names, pipe),
             )
             on_grid = job.points is not None or job.plan.scenario.time.tolerance is None
             pipe.tell(REPORT, *report(outcome, on_grid))

@@ -18,8 +18,9 @@ from ...scenario.plan import Plan
 from ..interrupt import Interrupted
 from .shared import Files
 
-MESSAGE, FULL, REPORT, REFUSED, DONE = b"m", b"w", b"k", b"e", b"d"
-"""Letters of the answers: a message, rows for a segment, a report, no start, instances freed."""
+MESSAGE, TEXT, FULL, REPORT, REFUSED, DONE = b"m", b"t", b"w", b"k", b"e", b"d"
+"""Letters of the answers: a message, a recorded text, rows for a segment, a report, no start,
+instances freed."""
 WRITTEN, NOT_WRITTEN = b"k", b"e"
 """Letters of the replies to `FULL`."""
 

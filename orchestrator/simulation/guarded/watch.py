@@ -11,10 +11,23 @@ from ...fmi.instance.process import CLOSING_TIME, no_answer
 from ...fmi.instance.protocol import Garbled
 from ...results.outcome import Outcome, Report
 from ...results.segments import Segments
+from ...results.texts import Texts
 from ..interrupt import Interrupt, Interrupted
 from ..observers import Progress
 from ..stepping import GridPoints
-from .job import DONE, FULL, MESSAGE, NOT_WRITTEN, REFUSED, REPORT, WRITTEN, Job, raised, reported
+from .job import (
+    DONE,
+    FULL,
+    MESSAGE,
+    NOT_WRITTEN,
+    REFUSED,
+    REPORT,
+    TEXT,
+    WRITTEN,
+    Job,
+    raised,
+    reported,
+)
 from .process import GuardedProcess
 from .shared import Board, discard, written
 
@@ -42,6 +55,8 @@ class Watch:
         self._job, self._plan = job, job.plan
         self._process = process
         self._segments = segments
+        self._texts = segments.texts if segments is not None else Texts(self._plan.text_names)
+        self._texts.clear()
         self._interrupt = interrupt
         self._bar = bar
         self._board = Board(job.files.board, len(self._plan.order))
@@ -106,6 +121,9 @@ class Watch:
         if letter == MESSAGE:
             number, status, text = told
             self._logs[self._plan.order[int(number)]].add(int(status), str(text))
+        elif letter == TEXT:
+            name, time, text = told
+            self._texts.note(str(name), float(time), str(text))
         elif letter == FULL:
             self._write_segment()
         elif letter == REPORT:
@@ -193,6 +211,7 @@ class Watch:
             names=self._plan.record_names,
             times=times,
             rows=rows,
+            texts=self._texts.changes,
             segments=self._segments,
             **report,
         )
@@ -207,6 +226,7 @@ class Watch:
             names=self._plan.record_names,
             times=times,
             rows=rows,
+            texts=self._texts.changes,
             wall_time=perf_counter() - begun if begun else 0.0,
             steps=max(place.steps for place in named.values()),
             calls={name: place.steps for name, place in named.items()},
