@@ -47,11 +47,15 @@ class Connection:
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU of the archive, with the parameters bound to it, later ones overriding."""
+    """An FMU of the archive, with the parameters bound to it, later ones overriding.
+
+    `units` are those that its connectors declare, by their names.
+    """
 
     name: str
     source: str
     values: list[Value]
+    units: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -169,7 +173,12 @@ class Reader:
             self.problems.add(line, f"{named} is for {element.get('implementation')} only")
         if not source:
             self.problems.add(line, f"{named} names no source")
-        return Component(name, source, self._values(element))
+        units = {
+            str(c.get("name")): unit
+            for c in self._children(element, "ssd:Connectors")
+            if (unit := self._unit(c))
+        }
+        return Component(name, source, self._values(element), units)
 
     def _connections(self, element: Any) -> Iterator[Connection]:
         for each in self._children(element, "ssd:Connections"):

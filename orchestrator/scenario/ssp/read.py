@@ -176,9 +176,10 @@ def _scenario(
     problems = Problems(where)
     components: dict[str, Any] = {}
     for path, file in files.items():
-        start = _starts(".".join(path), interfaces[path], flat.values[path], problems)
+        units = flat.components[path].units
+        start = _starts(".".join(path), interfaces[path], flat.values[path], units, problems)
         components[titles[path]] = {"fmu": str(file), "start": start}
-    wires = [_wire(joint, titles, interfaces, problems) for joint in flat.joints]
+    wires = [_wire(joint, titles, interfaces, flat, problems) for joint in flat.joints]
     problems.check()
     fed = {wire["to"] for wire in wires}
     hold = {}
@@ -232,9 +233,16 @@ def _identifiers(where: str, flat: Flat) -> dict[Names, str]:
 
 
 def _starts(
-    owner: str, interface: Interface, values: dict[str, Value], problems: Problems
+    owner: str,
+    interface: Interface,
+    values: dict[str, Value],
+    units: dict[str, str],
+    problems: Problems,
 ) -> dict[str, float | str | bool]:
-    """Start values as the FMU takes them: in its units, choices by name."""
+    """Start values as the FMU takes them: in its units, choices by name.
+
+    One without a unit is in that of its connector, where that declares one.
+    """
     settable = {
         v.name: v
         for v in interface.variables.values()
@@ -248,13 +256,13 @@ def _starts(
             problems.add(where, f"the FMU has no such parameter to set; {nearest(name, settable)}")
             continue
         try:
-            starts[name] = _start(variable, value)
+            starts[name] = _start(variable, value, units.get(name, ""))
         except (UnitError, ValueError) as error:
             problems.add(where, error)
     return starts
 
 
-def _start(variable: Variable, value: Value) -> float | str | bool:
+def _start(variable: Variable, value: Value, unit: str) -> float | str | bool:
     given = value.value
     if variable.kind == "Enumeration":
         if isinstance(given, float) and int(given) in variable.codes:
@@ -269,12 +277,27 @@ def _start(variable: Variable, value: Value) -> float | str | bool:
         return str(given)
     if isinstance(given, bool) or value.kind not in (*REALS, *WHOLE):
         raise ValueError(f"is a {value.kind}, the FMU takes a {variable.kind}")
-    scale = factor(value.unit, variable.unit) if value.unit and variable.unit else 1.0
-    return float(given) * scale
+    connector = unit or variable.unit
+    scale = factor(value.unit, connector) if value.unit and connector else 1.0
+    return float(given) * scale * _into_fmu(variable, unit)
+
+
+def _into_fmu(variable: Variable, unit: str) -> float:
+    """Factor from the unit of a variable's connector to the FMU's own.
+
+    1 where either has none: the connector's unit is then that of the variable.
+    """
+    if not (unit and variable.unit and variable.unit_defined):
+        return 1.0
+    return factor(unit, variable.unit)
 
 
 def _wire(
-    joint: Joint, titles: dict[Names, str], interfaces: dict[Names, Interface], problems: Problems
+    joint: Joint,
+    titles: dict[Names, str],
+    interfaces: dict[Names, Interface],
+    flat: Flat,
+    problems: Problems,
 ) -> dict[str, Any]:
     ends = []
     for (path, name), causality in ((joint.source, "output"), (joint.target, "input")):
@@ -293,6 +316,14 @@ def _wire(
             return {"from": "", "to": ""}
         ends.append((f"{titles[path]}.{name}", variable))
     (source, output), (target, input_) = ends
+    declared = [flat.components[p].units.get(n, "") for p, n in (joint.source, joint.target)]
+    if any(unit and unit != v.unit for unit, v in zip(declared, (output, input_), strict=True)):
+        try:
+            scaled = _declared(joint, output, input_, declared)
+        except UnitError as error:
+            problems.add(f"{printable(source)} -> {printable(target)}", error)
+            scaled = {}
+        return {"from": source, "to": target, **scaled}
     gain = joint.gain
     defined = output.unit_defined and input_.unit_defined
     if not joint.converts and defined and output.unit and input_.unit:
@@ -305,6 +336,23 @@ def _wire(
             )
     scaled = {} if joint.converts and gain == 1.0 else {"gain": gain}
     return {"from": source, "to": target, **scaled, "offset": joint.offset}
+
+
+def _declared(
+    joint: Joint, output: Variable, target: Variable, units: list[str]
+) -> dict[str, float]:
+    """Gain and offset of a wire whose connectors declare units of their own.
+
+    From the FMU's unit into the connector's, over the connection, into the unit of the other FMU;
+    less the factor by which a wire converts between the two FMUs.
+    """
+    leaving, arriving = units[0] or output.unit, units[1] or target.unit
+    between = factor(leaving, arriving) if joint.converts and leaving and arriving else 1.0
+    into = _into_fmu(target, units[1])
+    known = output.unit and output.unit_defined and target.unit and target.unit_defined
+    wire = factor(output.unit, target.unit) if known else 1.0
+    gain = into * joint.gain * between / (_into_fmu(output, units[0]) * wire)
+    return {"gain": gain, "offset": into * joint.offset}
 
 
 def _held(

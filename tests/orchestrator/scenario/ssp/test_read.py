@@ -16,6 +16,8 @@ from orchestrator.errors import ScenarioError
 from orchestrator.results.outcome import Outcome
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
+from tests.foreign.rewritten import rewritten
+from tests.foreign.scenarios import Shelf
 from tests.orchestrator.scenario.ssp.archives import (
     ALONE,
     SPACES,
@@ -408,3 +410,86 @@ def by_pyssp(native: Path, folder: Path) -> Path:
     renamed = folder / "bench.ssp"
     target.rename(renamed)
     return Path(f"{renamed}:bench")
+
+
+UNITS = """<ssd:Units><ssc:Unit name="g"><ssc:BaseUnit kg="1" factor="0.001"/></ssc:Unit>
+<ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit>
+<ssc:Unit name="mN"><ssc:BaseUnit kg="1" m="1" s="-2" factor="0.001"/></ssc:Unit></ssd:Units>"""
+
+
+def measured(**units: str) -> str:
+    """Connectors of a component in units of their own."""
+    kinds = {"displacement": "output", "y": "output", "mass": "parameter"}
+    made = "".join(
+        f'<ssd:Connector name="{n.replace("__", ".")}" kind="{kinds.get(n, "input")}">'
+        f'<ssc:Real unit="{unit}"/></ssd:Connector>'
+        for n, unit in units.items()
+    )
+    return f"<ssd:Connectors>{made}</ssd:Connectors>"
+
+
+def test_values_are_in_the_unit_that_the_connector_declares(library: Path, tmp_path: Path) -> None:
+    """2 at a connector in grams is 2 g; a value with a unit of its own is in that."""
+    inside = measured(mass="g", force__value="mN")
+    values = bound(real("mass", 2.0), real("force.value", 3.0, "N"))
+    path = packed(
+        tmp_path / "a.ssp",
+        described(elements(component("p", "resources/p.fmu", inside + values)), tail=UNITS),
+        resources_p__fmu=library / "payload.fmu",
+    )
+    plan = load(str(path))
+    assert plan.starts["p"]["mass"] == pytest.approx(2e-3)
+    assert plan.held["p.force.value"] == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize(
+    ("leaving", "arriving", "more", "gain", "offset"),
+    [
+        ("mm", "m", "", 5.0, 7.0),
+        ("m", "mm", "", 5.0, 7e-3),
+        ("mm", "mm", "", 5.0, 7e-3),
+        ("mm", "m", ' suppressUnitConversion="true"', 5000.0, 7.0),
+        ("m", "mm", ' suppressUnitConversion="true"', 5e-3, 7e-3),
+    ],
+)
+def test_a_connection_is_between_the_units_of_its_connectors(
+    native: Path, tmp_path: Path, leaving: str, arriving: str, more: str, gain: float, offset: float
+) -> None:
+    """Both FMUs are in metres: what passes is 5 x + 7, the 7 in the unit of the target."""
+    inside = component("p", "resources/p.fmu", measured(displacement=leaving))
+    inside += component("s", "resources/s.fmu", measured(motion__displacement=arriving))
+    scaled = '<ssc:LinearTransformation factor="5" offset="7"/>'
+    wire = joined("p:displacement", "s:motion.displacement", scaled, more)
+    path = packed(
+        tmp_path / "a.ssp", described(elements(inside, wire), tail=UNITS),
+        resources_p__fmu=native / "payload.fmu", resources_s__fmu=native / "spring.fmu",
+    )  # fmt: skip
+    (wired,) = load(str(path)).connections
+    assert (wired.gain, wired.offset) == (pytest.approx(gain), pytest.approx(offset))
+
+
+@pytest.mark.parametrize(("leaving", "gain"), [("mm", 1e-3), ("m", 1.0)])
+def test_a_connector_gives_an_fmu_without_units_its_unit(
+    native: Path, tmp_path: Path, shelf: Shelf, leaving: str, gain: float
+) -> None:
+    """The FMU gives a bare number, which its connector says is in millimetres."""
+    bare = rewritten(shelf("GAIN", 2), tmp_path / "bare.fmu", (' unit="1"', ""))
+    inside = component("g", "resources/g.fmu", measured(y=leaving))
+    inside += component("s", "resources/s.fmu", measured(motion__displacement="m"))
+    path = packed(
+        tmp_path / "a.ssp",
+        described(elements(inside, joined("g:y", "s:motion.displacement")), tail=UNITS),
+        resources_g__fmu=bare, resources_s__fmu=native / "spring.fmu",
+    )  # fmt: skip
+    (wired,) = load(str(path)).connections
+    assert wired.gain == pytest.approx(gain)
+
+
+def test_a_connector_in_a_unit_of_another_kind_is_refused(library: Path, tmp_path: Path) -> None:
+    inside = component("p", "resources/p.fmu", measured(mass="mN") + bound(real("mass", 2.0)))
+    path = packed(
+        tmp_path / "a.ssp", described(elements(inside), tail=UNITS),
+        resources_p__fmu=library / "payload.fmu",
+    )  # fmt: skip
+    with pytest.raises(ScenarioError, match=r"parameter p\.mass: .*mN.* is not convertible to kg"):
+        load(str(path))
