@@ -80,7 +80,7 @@ def linearise(
         if bode is not None:
             from ..studies.frequency_response import beside, draw
 
-            points = beside(swept, _amplitude(plan, found, drive)) if swept else None
+            points = beside(swept, _amplitude(found, drive)) if swept else None
             draw(found, bode, plan.frequency, points)
     if json:
         poles = found.eigenvalues()
@@ -108,14 +108,13 @@ def _seconds(text: str, plan: Plan) -> float:
     return every
 
 
-def _amplitude(plan: Plan, found: Linear, text: str) -> float:
+def _amplitude(found: Linear, text: str) -> float:
     """A drive's amplitude in the unit of the first input."""
     from ..errors import InputError
     from ..units import UnitError, si_value
 
-    component, _, name = found.inputs[0].partition(".")
     try:
-        value = si_value(text, plan.interfaces[component].variables[name].unit or "1")
+        value = si_value(text, found.units[found.inputs[0]] or "1")
     except UnitError as error:
         raise InputError(f"--drive: {error}") from None
     if not value > 0.0:

@@ -58,8 +58,10 @@ class Linear:
     """A discrete linear system with named signals; `step` is its sampling interval [s].
 
     Inputs are held over an interval. `rest` holds the outputs at the point of linearisation,
-    `left_out` the outputs that have no linear response, with the reason. `matched` is the error on
-    a second record, relative to the largest value.
+    `units` the units of inputs and outputs, `left_out` the outputs that have no linear response,
+    with the reason. `floor` is the largest error of each output on a second record, for an input
+    of one: a response below it is not known. `matched` is the largest of them, relative to the
+    largest value of its output.
     """
 
     a: Values
@@ -70,6 +72,8 @@ class Linear:
     inputs: list[str]
     outputs: list[str]
     rest: Values
+    units: dict[str, str]
+    floor: Values
     left_out: dict[str, str] = field(default_factory=dict)
     matched: float = 0.0
 
@@ -150,11 +154,15 @@ def linearise(
             raise InputError(f"{plan.path}: not linearised: {reasons or 'nothing is recorded'}")
         second = probe.held_steps(2 * count)[:, kept]
     sequence, direct = sequence[:, kept], direct[kept]
-    found, matched = _matching(sequence, direct, second, order, plan)
+    found, floor, matched = _matching(sequence, direct, second, order, plan)
     if left_out and not len(found[0]):
         raise InputError(f"{plan.path}: not linearised: no motion is left: {reasons}")
-    names, step = [system.names[shown[i]] for i in kept], every * plan.grid.step
-    return Linear(*found, direct, step, list(held), names, resting[kept], left_out, matched)
+    columns, step = [shown[i] for i in kept], every * plan.grid.step
+    units = {system.names[k]: system.variables[k].unit for k in columns} | _input_units(held)
+    return Linear(
+        *found, direct, step, list(held), [system.names[k] for k in columns], resting[kept], units,
+        floor, left_out, matched,
+    )  # fmt: skip
 
 
 def _steps_in(interval: float | None, plan: Plan) -> int:
@@ -235,6 +243,13 @@ def _held(system: System, wanted: Sequence[str] | None) -> dict[str, tuple[Any, 
         if name not in found:
             raise InputError(f"--input {name}: is not held; there is {', '.join(found)}")
     return {name: found[name] for name in wanted} if wanted else found
+
+
+def _input_units(held: dict[str, tuple[CoupledInstance, int]]) -> dict[str, str]:
+    return {
+        full: coupled.instance.interface.variables[full.partition(".")[2]].unit
+        for full, (coupled, _) in held.items()
+    }
 
 
 def _columns(system: System, wanted: Sequence[str] | None) -> list[int]:
@@ -348,19 +363,22 @@ def _left_out(
 
 def _matching(
     sequence: Values, direct: Values, second: Values, order: int | None, plan: Plan
-) -> tuple[Triple, float]:
-    """The system of the likeliest order that meets a second record, and its error there."""
+) -> tuple[Triple, Values, float]:
+    """The system of the likeliest order that meets a second record, and its errors there.
+
+    These are the largest of each output, and the largest of all relative to its output's size.
+    """
     hankel = Hankel(sequence)
     size = np.abs(second).max(axis=(0, 2), initial=0.0)
-    scale = np.where(size > 0.0, size, 1.0)[:, None]
+    scale = np.where(size > 0.0, size, 1.0)
     best = np.inf
     for tried in hankel.orders() if order is None else [order]:
         found = hankel.system(tried)
         with np.errstate(over="ignore", invalid="ignore"):
-            miss = np.abs(held_response(found, direct, len(second)) - second) / scale
-        error = float(miss.max(initial=0.0))
+            miss = np.abs(held_response(found, direct, len(second)) - second).max(axis=(0, 2))
+        error = float((miss / scale).max(initial=0.0))
         if error <= MATCHED or order is not None:
-            return found, error
+            return found, miss, error
         best = min(best, error)
     raise InputError(
         f"{plan.path}: not linearised: no linear system meets a second record better than to"
