@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 
 from .plot import Plot, plotted, short
 
-Kind = Literal["fixed", "film", "link", "wing", "joint"]
+Kind = Literal["fixed", "film", "spacer", "link", "wing", "joint"]
 
 PLACES = 4
 """Decimals of a coordinate, in the unit of the view: no screen shows more."""
@@ -29,18 +29,30 @@ class Body:
 
 
 @dataclass(frozen=True)
+class Label:
+    """A text at a fixed place, with a line to the mean of some points of the body of that name."""
+
+    text: str
+    place: tuple[float, float]
+    body: str
+    points: Sequence[int]
+
+
+@dataclass(frozen=True)
 class View:
-    """Bodies seen through a window (x0, y0, x1, y1) in one unit for both axes."""
+    """Bodies seen through a window (x0, y0, x1, y1), all in millimetres, beside a scale bar."""
 
     title: str
     window: tuple[float, float, float, float]
     bodies: Sequence[Body]
+    labels: Sequence[Label] = ()
 
 
 @dataclass(frozen=True)
 class Animation:
     """Views that move together and plots over the same time, with a cursor where they are.
 
+    It plays by itself where the reader has not asked for less motion; the plots are folded.
     `times` [s] are those of the frames; the last is the first again, one period later. The
     plots' x axis is in milliseconds from the first frame.
     """
@@ -64,6 +76,7 @@ class Animation:
                     "title": view.title,
                     "window": list(view.window),
                     "bodies": [_body(body) for body in view.bodies],
+                    "labels": [_label(label, view.bodies) for label in view.labels],
                 }
                 for view in self.views
             ],
@@ -79,6 +92,12 @@ def _body(body: Body) -> dict[str, Any]:
         "y": [_places(frame) for frame in body.y],
         "level": short(body.level),
     }
+
+
+def _label(label: Label, bodies: Sequence[Body]) -> dict[str, Any]:
+    (x, y), names = label.place, [body.name for body in bodies]
+    body, points = names.index(label.body), list(label.points)
+    return {"text": label.text, "x": x, "y": y, "body": body, "points": points}
 
 
 def _places(frame: Sequence[float]) -> list[float]:

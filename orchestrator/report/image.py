@@ -46,12 +46,13 @@ def draw(figure: Figure, paths: Sequence[Path]) -> list[Path]:
     from matplotlib import pyplot
 
     sheet, axes = pyplot.subplots(
-        len(figure.plots), 1, figsize=(7.5, 0.6 + 3.1 * len(figure.plots)), squeeze=False
-    )
+        len(figure.plots), 1, figsize=(9.0, 0.6 + 3.1 * len(figure.plots)), squeeze=False,
+        layout="constrained",
+    )  # fmt: skip
     for axis, plot in zip(axes[:, 0], figure.plots, strict=True):
         _panel(axis, plot)
     sheet.suptitle(plain(figure.title), fontsize=10)
-    sheet.set_layout_engine("tight")
+    sheet.align_ylabels(axes)
     try:
         for path in paths:
             with matplotlib.rc_context({"svg.hashsalt": figure.key}):
@@ -76,7 +77,7 @@ def _panel(axis: Any, plot: Plot) -> None:
     _scaled(axis.set_ylabel, axis.set_yscale, axis.set_ylim, plot.y)
     axis.grid(visible=True, alpha=0.3)
     if len(plot.curves) > 1:
-        axis.legend(fontsize=7)
+        axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def _scaled(label: Any, scale: Any, limits: Any, axis: Axis) -> None:

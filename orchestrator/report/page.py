@@ -46,7 +46,16 @@ class Notes:
     items: Sequence[str]
 
 
-Part = Words | Notes | Table | Figure | Animation | Picture
+@dataclass(frozen=True)
+class Fold:
+    """Parts out of sight behind a line that says what they are."""
+
+    kind: ClassVar[str] = "fold"
+    line: str
+    parts: Sequence[Part]
+
+
+Part = Words | Notes | Table | Figure | Animation | Picture | Fold
 
 
 @dataclass(frozen=True)

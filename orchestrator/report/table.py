@@ -13,14 +13,12 @@ Tone = Literal["plain", "green", "amber", "blue", "red", "grey"]
 class Cell:
     """One text of a row. `sort` is the number that it is ordered by, if not by its text.
 
-    A `tone` makes it a badge; `link` is the key of a section or figure of the same page;
-    `note` is shown in smaller letters below.
+    A `tone` makes it a badge; `note` is shown in smaller letters below.
     """
 
     text: str
     sort: float | None = None
     tone: Tone = "plain"
-    link: str = ""
     note: str = ""
 
 
@@ -42,6 +40,6 @@ class Table:
     rows: Sequence[Sequence[Cell]]
 
 
-def quantity(value: float, text: str, note: str = "", link: str = "") -> Cell:
+def quantity(value: float, text: str, note: str = "") -> Cell:
     """A number as it is shown, sorted by its value."""
-    return Cell(text, value, link=link, note=note)
+    return Cell(text, value, note=note)

@@ -65,13 +65,17 @@
       this.clip = `clip-${++count}`;
       this.root = html("div", parent, undefined, "plot");
       html("h3", this.root, data.title);
-      this.svg = made("svg", { tabindex: "0", role: "img", "aria-label": `${data.title}. ${KEYS}` }, this.root);
+      const beside = html("div", this.root, undefined, "beside");
+      this.keys = html("div", beside, undefined, "keys");
+      this.frame = html("div", beside, undefined, "drawing");
+      this.svg = made("svg", { tabindex: "0", role: "img", "aria-label": `${data.title}. ${KEYS}` }, this.frame);
       this.readout = html("div", this.root, undefined, "readout");
       this.tools();
       this.home = this.whole();
       this.view = { ...this.home };
       this.listen();
-      new ResizeObserver(() => this.draw()).observe(this.root);
+      this.draw();
+      new ResizeObserver(() => this.draw()).observe(this.frame);
     }
 
     static lined(curve) {
@@ -94,8 +98,10 @@
         button.setAttribute("aria-label", `${label}: ${this.data.title}`);
         button.addEventListener("click", act);
       }
-      this.data.curves.forEach((curve, k) => {
-        const button = html("button", row, undefined, "key");
+      const curves = this.data.curves;
+      if (curves.length === 1 && curves[0].name.toLowerCase() === this.data.title.toLowerCase()) return;
+      curves.forEach((curve, k) => {
+        const button = html("button", this.keys, undefined, "key");
         button.type = "button";
         button.setAttribute("aria-pressed", "true");
         const sample = made("svg", { viewBox: "0 0 32 12", "aria-hidden": "true" }, button);
@@ -144,7 +150,7 @@
     }
 
     draw() {
-      const width = Math.max(240, Math.round(this.root.clientWidth - 16));
+      const width = Math.max(240, this.frame.clientWidth);
       const height = Math.round(Math.min(420, Math.max(240, 0.58 * width)));
       Object.assign(this, { width, height, left: 62, top: 10, wide: width - 76, high: height - 58 });
       this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
@@ -354,13 +360,31 @@
       const [x0, y0, x1, y1] = data.window;
       const box = html("div", parent, undefined, "plot view");
       html("h3", box, data.title);
-      const frame = { viewBox: `${x0} ${-y1} ${x1 - x0} ${y1 - y0}`, role: "img", "aria-label": data.title };
+      const wide = x1 - x0;
+      this.letter = wide / 40;
+      box.style.flex = `${wide / (y1 - y0)} 1 ${14 * wide / (y1 - y0)}rem`;
+      const names = data.labels.map((label) => label.text).join(", ");
+      const frame = { viewBox: `${x0} ${-y1} ${wide} ${y1 - y0}`, role: "img", "aria-label": `${data.title}: ${names}` };
       const svg = made("svg", frame, box);
       this.paths = data.bodies.map((body) => made("path", { class: `body ${body.kind}` }, svg));
-      html("div", box, undefined, "readout").textContent = `Width ${x1 - x0} mm.`;
+      this.labels = data.labels.map((label) => ({
+        ...label,
+        line: made("line", { class: "leader" }, svg),
+        word: made("text", { x: label.x, y: -label.y }, svg, label.text),
+      }));
+      const length = [50, 20, 10, 5, 2, 1].find((size) => size <= wide / 5);
+      const [left, low] = [x0 + wide / 60, -y0 - wide / 60];
+      made("path", { class: "scale", d: `M${left} ${low - wide / 60}V${low}h${length}v${-wide / 60}` }, svg);
+      made("text", { class: "length", x: left + length + wide / 60, y: low }, svg, `${length} mm`);
+      new ResizeObserver(() => {
+        this.letter = (12 * wide) / Math.max(240, svg.clientWidth);
+        svg.style.fontSize = `${this.letter}px`;
+        if (this.now) this.show(...this.now);
+      }).observe(box);
     }
 
     show(frame, share) {
+      this.now = [frame, share];
       const mixed = (rows) => {
         const row = rows[Math.min(frame, rows.length - 1)];
         const next = rows[Math.min(frame + 1, rows.length - 1)];
@@ -379,6 +403,12 @@
           path.setAttribute("fill-opacity", (0.08 + 0.8 * level).toFixed(3));
         }
       });
+      for (const { x, y, body, points, line } of this.labels) {
+        const mean = (row) => points.reduce((sum, k) => sum + row[k], 0) / points.length;
+        const [toX, toY] = [mean(mixed(this.bodies[body].x)), mean(mixed(this.bodies[body].y))];
+        const from = toY > y ? y + 0.9 * this.letter : y - 0.3 * this.letter;
+        for (const [key, value] of [["x1", x], ["y1", -from], ["x2", toX], ["y2", -toY]]) line.setAttribute(key, value.toFixed(3));
+      }
     }
   }
 
@@ -386,12 +416,18 @@
     constructor(data, parent) {
       this.times = data.times;
       this.span = data.times[data.times.length - 1];
-      this.at = 0;
+      this.at = this.times[Math.floor(this.times.length / 8)];
       this.slow = SLOW;
       this.controls(data, parent);
-      this.views = data.views.map((view) => new View(view, parent));
-      this.plots = data.plots.map((plot) => new Plot(plot, parent));
+      const stage = html("div", parent, undefined, "views");
+      this.views = data.views.map((view) => new View(view, stage));
+      this.fold = html("details", parent);
+      html("summary", this.fold, `Curves: ${data.plots.map((plot) => plot.title).join("; ")}`);
+      const strips = html("div", this.fold, undefined, "strips");
+      this.plots = data.plots.map((plot) => new Plot(plot, strips));
       this.show();
+      new IntersectionObserver(([entry]) => { this.seen = entry.isIntersecting; }).observe(stage);
+      if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.play();
     }
 
     controls(data, parent) {
@@ -429,7 +465,7 @@
         if (!this.playing) return;
         if (before !== undefined) this.at = (this.at + (now - before) / this.slow) % this.span;
         before = now;
-        this.show();
+        if (this.seen) this.show();
         requestAnimationFrame(step);
       };
       requestAnimationFrame(step);
@@ -480,6 +516,15 @@
       });
     });
   }
+
+  /* Paper has no folds. */
+  const folds = document.getElementsByTagName("details");
+  let shut = [];
+  addEventListener("beforeprint", () => {
+    shut = [...folds].filter((fold) => !fold.open);
+    for (const fold of shut) fold.open = true;
+  });
+  addEventListener("afterprint", () => { for (const fold of shut) fold.open = false; });
 
   const theme = document.getElementById("theme");
   theme.hidden = false;

@@ -1,4 +1,4 @@
-"""The animation: one settled cycle of the vehicle with full wings, from the recorded run."""
+"""The vehicle: one settled cycle of it with full wings, from the recorded run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...report.animation import Animation, Body, Kind, View
+from ...report.animation import Animation, Body, Kind, Label, View
 from ...report.plot import Axis, Curve, Plot
 from .cached_runs import CachedRuns
 from .comparison import Comparison
@@ -26,7 +26,35 @@ INNER = 1.3e-3
 FRAME = -14e-3
 """Height of the frames' plane below the cranks' pivots [m]; assumed, the paper prints none."""
 
-TITLE = "Animation: a cycle at 18 Hz"
+TITLE = "The vehicle"
+HOW = (
+    "The last cycle that the run of flapping-shapes recorded, to scale: cones, spacer, rod and"
+    " links in section, wings from the front. The cones are the film's own equilibrium at the"
+    " recorded voltages and displacement; fuller colour is higher voltage. The wing's chord is seen"
+    " as far as feathering turns it into view; a positive angle is down. Which link is which, and"
+    " how far the actuator sits below the linkage, are inferred."
+)
+VEHICLE = (
+    Label("wing", (44.0, 30.0), "wing", (0, 1, 2, 3)),
+    Label("linkage", (0.0, 24.0), "left coupler", (0, 1)),
+    Label("film", (28.0, -27.0), "bottom cone", (19,)),
+    Label("spacer", (-27.0, -23.0), "spacer", (0, 1)),
+)
+CLOSE = (
+    Label("slider", (-7.0, 11.5), "slider", (0,)),
+    Label("conrod", (-8.5, 6.5), "conrod", (0, 1)),
+    Label("rod", (-7.0, -4.0), "rod", (0, 1)),
+    Label("bell crank", (13.0, -0.5), "bell crank", (1, 2)),
+    Label("coupler", (13.0, 12.5), "coupler", (0, 1)),
+    Label("rocker", (25.0, 12.5), "rocker joint", (0,)),
+    Label("to the wing", (23.0, -2.0), "root", (0,)),
+    Label("top film", (14.0, -6.0), "top cone", (17,)),
+    Label("bottom film", (15.0, -22.0), "bottom cone", (18,)),
+    Label("frame", (22.0, -17.5), "right frame", (0, 1)),
+    Label("spacer", (-12.0, -22.0), "spacer", (0, 1)),
+)
+"""Places of names, in millimetres from the linkage's middle, clear of what moves."""
+
 KEPT = (
     "linkage.displacement", "linkage.velocity", "linkage.flap_angle", "linkage.flap_rate",
     "aero.angle_of_attack", "amplifier.*.voltage", "amplifier.supplied_energy",
@@ -42,27 +70,37 @@ def flight(cached_runs: CachedRuns) -> Comparison:
     (answer,) = cached_runs.answers([job])
     if answer.status != "done":
         return Comparison("animation", TITLE, (), (), (), [f"{job.scenario}: {answer.reason}"])
-    words = (
-        "The last cycle that the run of flapping-shapes recorded, to scale: cones, rod"
-        " and links in section, wings from the front. The cones are the film's own equilibrium at"
-        " the recorded voltages and displacement; fuller colour is higher voltage. The wing's"
-        " chord is seen as far as feathering turns it into view; a positive angle is down. Which"
-        " link is which, and how far the actuator sits below the linkage, are inferred.",
+    words = (_told(answer, frequency), HOW)
+    return Comparison("animation", TITLE, words, (), extras=[_film(answer, frequency)])
+
+
+def _told(answer: Answer, frequency: float) -> str:
+    """What the vehicle is, in three sentences, with what it does in this run."""
+    wing, spacer, drive = (float(given(name)) for name in ("wing_length", "spacer", "drive"))
+    travel = float(np.ptp(answer.series("linkage.displacement")))
+    stroke = math.degrees(float(np.ptp(answer.series("flap_angle"))))
+    return (
+        f"A micro air vehicle with two flapping wings of {1e3 * wing:g} mm, driven at resonance by"
+        " a dielectric elastomer instead of a motor with gears. Its actuator is two cones of"
+        f" silicone film in a frame, which a spacer of {1e3 * spacer:g} mm keeps taut:"
+        f" {1e-3 * drive:g} kV slackens one of them, the other pulls, and the rod on the"
+        f" spacer travels {1e3 * travel:.1f} mm. The linkage turns this into a wing stroke of"
+        f" {stroke:.0f} degrees at {frequency:g} Hz."
     )
-    return Comparison("animation", TITLE, words, (), extras=[_film(answer)])
 
 
-def _film(answer: Answer) -> Animation:
-    middle, right = _actuator(answer), [*_wing(answer), *_links(answer)]
-    whole = [*middle, *right, *map(_mirrored, right)]
+def _film(answer: Answer, frequency: float) -> Animation:
+    middle, right = _actuator(answer), _links(answer)
+    wings = _wing(answer)
+    whole = [*middle, *wings, *right, *map(_mirrored, [*wings, *right])]
     views = [
-        View("Vehicle", (-66.0, -28.0, 66.0, 42.0), whole),
-        View("Linkage and cones", (-16.0, -24.0, 32.0, 14.0), [*middle, *right]),
+        View("Vehicle", (-66.0, -35.0, 66.0, 35.0), whole, VEHICLE),
+        View("Linkage and actuator", (-17.0, -26.0, 29.0, 15.0), [*middle, *right], CLOSE),
     ]
     return Animation(
         "animation",
-        "One cycle, recorded",
-        "Press play, or move through the cycle with the slider; arrow keys go by frames.",
+        f"One cycle at {frequency:g} Hz.",
+        "On the slider of time, arrow keys go by frames.",
         answer.times.tolist(),
         views,
         list(_strips(answer)),
@@ -82,11 +120,12 @@ def _shown(name: str, kind: Kind, lines: Iterable[Line], level: Sequence[float] 
 
 
 def _mirrored(body: Body) -> Body:
-    return Body(body.name, body.kind, [[-x for x in frame] for frame in body.x], body.y, body.level)
+    x = [[-x for x in frame] for frame in body.x]
+    return Body(f"left {body.name}", body.kind, x, body.y, body.level)
 
 
 def _actuator(answer: Answer) -> list[Body]:
-    """Both cones in section, the frames, and the rod that carries the slider."""
+    """Both cones in section, the frames, the spacer, and the rod that carries the slider."""
     outer, half = float(given("outer_radius")), 0.5 * float(given("spacer"))
     place = answer.series("linkage.displacement")
     count = len(place)
@@ -105,15 +144,17 @@ def _actuator(answer: Answer) -> list[Body]:
         for name in ("top", "bottom")
     ]
     slider = links().conrod
-    rod = [(np.zeros(2), np.array([FRAME - half + x, slider + x])) for x in place]
-    frames = [
-        (np.array([sign * outer, sign * (outer + 2e-3)]), np.array([FRAME, FRAME]))
-        for sign in (-1.0, 1.0)
-    ]
+    rod = [(np.zeros(2), np.array([FRAME + half + x, slider + x])) for x in place]
+    spacer = [(np.zeros(2), FRAME + x + half * np.array([-1.0, 1.0])) for x in place]
+    frames = {
+        name: (np.array([sign * outer, sign * (outer + 2e-3)]), np.array([FRAME, FRAME]))
+        for name, sign in (("left frame", -1.0), ("right frame", 1.0))
+    }
     return [
-        *(_shown("frame", "fixed", [line]) for line in frames),
+        *(_shown(name, "fixed", [line]) for name, line in frames.items()),
         _shown("top cone", "film", cone("top", 1.0), levels[0]),
         _shown("bottom cone", "film", cone("bottom", -1.0), levels[1]),
+        _shown("spacer", "spacer", spacer),
         _shown("rod", "link", rod),
     ]
 
@@ -139,7 +180,8 @@ def _links(answer: Answer) -> list[Body]:
         _shown("bell crank", "link", chain("crank", "pivot", "arm")),
         _shown("coupler", "link", chain("arm", "rocker")),
         _shown("rocker", "link", chain("rocker", "root")),
-        *(_shown(name, "joint", chain(name)) for name in ("slider", "crank", "arm", "rocker")),
+        *(_shown(name, "joint", chain(name)) for name in ("slider", "crank", "arm")),
+        _shown("rocker joint", "joint", chain("rocker")),
         *(_shown(name, "joint", chain(name)[:1]) for name in ("pivot", "root")),
     ]
 

@@ -12,12 +12,13 @@ from typing import Any
 
 from ...errors import OutputError
 from ...report.files import written_whole
-from ...report.page import Notes, Page, Part, Section, Words
+from ...report.page import Fold, Notes, Page, Part, Section, Words
 from ...report.plot import Figure
 from ...report.table import Cell, Column, Table, Tone, quantity
 from .comparison import Comparison, Row
 from .published_values import MarkKind
 from .reproduction import Reproduction
+from .score import score
 
 TONES: dict[MarkKind, Tone] = {
     "predicted": "green",
@@ -32,9 +33,15 @@ MEANINGS: dict[MarkKind, str] = {
     "undecidable": "the text leaves open what was meant; the readings stand side by side",
     "arithmetic": "follows from numbers that the paper prints, whatever the model",
 }
+VEHICLE = "animation"
 LEFT_OUT = (
     "Not here: figure 5, the test of material that gave the constants; curves of the experiments,"
     " which are printed as pictures only."
+)
+ERRORS = (
+    "Relative error is ours over the paper's, less one. Numerical error, in each item's own"
+    " table, is that of our stepping (from half the step) or of a peak's place (from the"
+    " frequencies beside it). The mark says what an error means:"
 )
 BANDS = (
     "The band beneath an error is one standard deviation of ours, by the data that were fitted:"
@@ -42,15 +49,19 @@ BANDS = (
     " them where that is more. It says what the data leave open of the parameters, not what the"
     " model leaves out."
 )
+LONG = 8
+"""Rows from which on a table is folded."""
 DRAWN = "drawn.json"
 """Digests of the figures whose pictures stand beside the page."""
 
 
 def page(found: Reproduction, library: Path) -> Page:
-    """The whole report."""
+    """The whole report; the vehicle comes first, where it is among the items."""
+    items = [Section(item.key, item.title, list(_parts(item))) for item in found.items]
     sections = [
+        *(each for each in items if each.key == VEHICLE),
         Section("summary", "Summary", list(_summary(found))),
-        *(Section(item.key, item.title, list(_parts(item))) for item in found.items),
+        *(each for each in items if each.key != VEHICLE),
     ]
     facts = [
         ("Resilin", _release()),
@@ -129,34 +140,33 @@ def _plain(table: Table) -> list[dict[str, float | str]]:
 
 def _summary(found: Reproduction) -> Iterator[Part]:
     if any(item.rows for item in found.items):
-        yield from _all_rows(found)
+        yield from _scores(found)
     yield Words((LEFT_OUT,))
     if found.failures:
         yield Words(("Runs that stopped, and are left out of curves and peaks:",))
         yield Notes(found.failures)
 
 
-def _all_rows(found: Reproduction) -> Iterator[Part]:
-    yield Words(
-        (
-            "Relative error is ours over the paper's, less one. Numerical error, in each item's own"
-            " table, is that of our stepping (from half the step) or of a peak's place (from the"
-            " frequencies beside it). The mark says what an error means:",
-        )
-    )
-    yield Notes([f"{kind}: {meaning}" for kind, meaning in MEANINGS.items()])
-    if any(row.mark.band is not None for item in found.items for row in item.rows):
-        yield Words((BANDS, _judged([row for item in found.items for row in item.rows])))
+def _scores(found: Reproduction) -> Iterator[Part]:
+    """A line for each item, its numbers behind it; then what the words of a row mean."""
+    if judged := _judged([row for item in found.items for row in item.rows]):
+        yield Words((judged,))
     columns = [
-        Column("Item"), Column("Quantity"), Column("Paper", number=True),
-        Column("Ours", number=True), Column("Error", number=True), Column("Mark"),
+        Column("Quantity"), Column("Paper", number=True), Column("Ours", number=True),
+        Column("Error", number=True), Column("Mark"),
     ]  # fmt: skip
-    rows = [
-        [_item(item), Cell(row.number.quantity, note=row.reading), *_values(row), _mark(row)]
-        for item in found.items
-        for row in item.rows
-    ]
-    yield Table("All numbers; press a heading to sort", columns, rows)
+    for item in found.items:
+        if item.rows:
+            rows = [
+                [Cell(row.number.quantity, note=row.reading), *_values(row), _mark(row)]
+                for row in item.rows
+            ]
+            line = f"{item.title.partition(':')[0]}: {score(item.rows)}"
+            yield Fold(line, [Table(f"{item.title}; press a heading to sort", columns, rows)])
+    meanings = [f"{kind}: {meaning}" for kind, meaning in MEANINGS.items()]
+    yield Fold(
+        "What errors, bands and marks mean", [Words((ERRORS,)), Notes(meanings), Words((BANDS,))]
+    )
 
 
 def _judged(rows: Sequence[Row]) -> str:
@@ -173,9 +183,14 @@ def _judged(rows: Sequence[Row]) -> str:
 
 
 def _parts(item: Comparison) -> Iterator[Part]:
-    yield Words(item.words)
-    yield from item.figures
-    yield from item.extras
+    if item.key == VEHICLE and item.words:
+        yield from item.extras
+        yield Words(item.words[:1])
+        yield Fold("How it is drawn", [Words(item.words[1:])])
+    else:
+        yield Words(item.words)
+        yield from item.figures
+        yield from map(_folded, item.extras)
     if not item.rows:
         if item.failures:
             yield Notes(item.failures)
@@ -197,7 +212,8 @@ def _parts(item: Comparison) -> Iterator[Part]:
         ]
         for row in item.rows
     ]  # fmt: skip
-    yield Table(f"{item.title}: numbers", columns, rows)
+    table = Table(f"{item.title}: numbers", columns, rows)
+    yield Fold("Numbers, with numerical errors, what marks rest on, and scenarios", [table])
     if item.failures:
         yield Notes(item.failures)
 
@@ -206,8 +222,10 @@ def _told(row: Row) -> str:
     return "; ".join(text for text in (row.reading, f"paper: {row.number.where}") if text)
 
 
-def _item(item: Comparison) -> Cell:
-    return Cell(item.title.partition(":")[0], link=item.key)
+def _folded(extra: Part) -> Part:
+    if isinstance(extra, Table) and len(extra.rows) >= LONG:
+        return Fold(f"{extra.title}: {len(extra.rows)} rows", [extra])
+    return extra
 
 
 def _values(row: Row) -> list[Cell]:

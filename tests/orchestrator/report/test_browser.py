@@ -5,6 +5,7 @@ Skipped where no Chromium is installed.
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -58,7 +59,7 @@ def report(found: Reproduction, library: Path, tmp_path_factory: pytest.TempPath
 @pytest.fixture
 def opened(browser: Browser, report: Path) -> Iterator[Page]:
     """The report at rest; in the end its only event has been the request of its file."""
-    context = browser.new_context(viewport={"width": 1600, "height": 1000})
+    context = browser.new_context(viewport={"width": 1600, "height": 1000}, reduced_motion="reduce")
     made = context.new_page()
     events = watched(made)
     made.goto(report.as_uri())
@@ -89,19 +90,22 @@ def test_every_plot_is_drawn(opened: Page, found: Reproduction) -> None:
 
 
 def test_the_table_is_sorted_by_its_heading(opened: Page) -> None:
-    head = opened.locator("#summary th button", has_text="Error")
+    fold = opened.locator("#summary details").first
+    head = fold.locator("th button", has_text="Error")
+    assert not head.is_visible()
+    fold.locator("summary").click()
     head.click()
-    sizes = opened.locator("#summary tbody tr td:nth-child(5)").evaluate_all(
+    sizes = fold.locator("tbody tr td:nth-child(4)").evaluate_all(
         "cells => cells.filter(c => c.dataset.sort !== undefined).map(c => Number(c.dataset.sort))"
     )
     assert len(sizes) > 5
     assert sizes == sorted(sizes)
     head.click()
-    assert opened.locator("#summary th[aria-sort='descending']").count() == 1
+    assert fold.locator("th[aria-sort='descending']").count() == 1
 
 
 def test_a_plot_is_zoomed_by_keys(opened: Page) -> None:
-    plot = opened.locator(".plot:not(.view) > svg").first
+    plot = opened.locator("figure.plots .drawing > svg").first
     texts = "svg => [...svg.querySelectorAll('text')].map(t => t.textContent)"
     before = plot.evaluate(texts)
     plot.focus()
@@ -121,8 +125,9 @@ def outline(made: Page) -> str:
 
 def test_the_animation_is_scrubbed_by_keys(opened: Page) -> None:
     slider = opened.get_by_label("Time")
-    rest = outline(opened)
     slider.focus()
+    opened.keyboard.press("Home")
+    rest = outline(opened)
     for _ in range(30):
         opened.keyboard.press("ArrowRight")
     assert slider.input_value() == "30"
@@ -134,7 +139,8 @@ def test_the_animation_is_scrubbed_by_keys(opened: Page) -> None:
 
 def test_the_animation_plays_slowly_and_stops(opened: Page) -> None:
     """However long the page takes to answer, and however often the cycle begins anew meanwhile."""
-    hand = opened.locator(".plot .hand").nth(opened.locator(".plot .hand").count() - 1)
+    opened.get_by_label("Time").press("Home")
+    hand = opened.locator("figure.film .hand").last
     begin = float(hand.get_attribute("x1") or 0.0)
     opened.locator("figure.film select").select_option("10")
     opened.get_by_role("button", name="Play").click()
@@ -145,6 +151,73 @@ def test_the_animation_plays_slowly_and_stops(opened: Page) -> None:
     opened.wait_for_timeout(120)
     assert place(opened) == there
     assert (float(hand.get_attribute("x1") or 0.0) > begin) == (there > 0.0)
+
+
+def test_the_animation_plays_by_itself(browser: Browser, report: Path) -> None:
+    """It comes first, is whole in the first window, and can be stopped."""
+    context = browser.new_context(
+        viewport={"width": 1600, "height": 1000}, reduced_motion="no-preference"
+    )
+    made = context.new_page()
+    made.goto(report.as_uri())
+    film = made.locator("main > section").first.locator("figure.film .views")
+    box = film.bounding_box()
+    assert box is not None
+    assert box["y"] + box["height"] <= 1000.0
+    begin = place(made)
+    made.wait_for_function(
+        "begin => parseFloat(document.querySelector('.clock').textContent) !== begin", arg=begin
+    )
+    made.get_by_role("button", name="Pause").click()
+    assert made.get_by_role("button", name="Play").is_visible()
+    context.close()
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_names_and_scale_stand_within_the_views(browser: Browser, report: Path, width: int) -> None:
+    """No name is cut off or lies on another, and none is too small to read."""
+    made = browser.new_page(viewport={"width": width, "height": 1000}, reduced_motion="reduce")
+    made.goto(report.as_uri())
+    for view in made.locator(".view svg").all():
+        frame = view.bounding_box()
+        texts = view.locator("text").all()
+        assert frame is not None
+        assert any(re.fullmatch(r"\d+ mm", each.text_content() or "") for each in texts)
+        boxes = [box for each in texts if (box := each.bounding_box()) is not None]
+        assert len(boxes) == len(texts)
+        for k, box in enumerate(boxes):
+            assert box["height"] > 10.0
+            assert frame["x"] <= box["x"]
+            assert box["x"] + box["width"] <= frame["x"] + frame["width"]
+            assert frame["y"] <= box["y"]
+            assert box["y"] + box["height"] <= frame["y"] + frame["height"]
+            assert not any(overlap(box, other) for other in boxes[:k])
+    made.close()
+
+
+def overlap(one: Any, other: Any) -> bool:
+    across = abs(one["x"] - other["x"]) < (one if one["x"] < other["x"] else other)["width"]
+    upright = abs(one["y"] - other["y"]) < (one if one["y"] < other["y"] else other)["height"]
+    return across and upright
+
+
+def test_paper_has_no_folds(opened: Page) -> None:
+    shut = "[...document.querySelectorAll('details')].filter(each => !each.open).length"
+    before = opened.evaluate(shut)
+    assert before > 2
+    opened.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert opened.evaluate(shut) == 0
+    opened.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert opened.evaluate(shut) == before
+
+
+def test_the_contents_stay_in_sight(opened: Page) -> None:
+    contents = opened.get_by_role("navigation", name="Sections")
+    opened.evaluate("scrollTo(0, document.documentElement.scrollHeight / 2)")
+    opened.wait_for_function("scrollY > 0")
+    box = contents.bounding_box()
+    assert box is not None
+    assert 0.0 <= box["y"] < 20.0
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,7 @@ import pytest
 from orchestrator.errors import OutputError
 from orchestrator.report.image import draw
 from orchestrator.report.page import (
+    Fold,
     Notes,
     Page,
     Section,
@@ -47,12 +48,12 @@ def page(text: str) -> Page:
     """A page with the text in every place that takes one."""
     curve = Curve(text, [1.0, 2.0, 3.0], [1.0, math.nan, math.inf], "line-points")
     plot = Plot(text, Axis(text), Axis(text, log=True), [curve])
-    cell = Cell(text, 1.0, "green", link=text, note=text)
+    cell = Cell(text, 1.0, "green", note=text)
     return Page(
         text,
         text,
         [
-            Section(text, text, [Words([text]), Notes([text])]),
+            Section(text, text, [Words([text]), Fold(text, [Notes([text])])]),
             Section("two", text, [Figure(text, text, text, [plot])]),
             Section("three", text, [Table(text, [Column(text, number=True)], [[cell]])]),
         ],

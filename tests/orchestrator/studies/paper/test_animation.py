@@ -90,17 +90,38 @@ def test_frames_close_a_cycle(film: Animation) -> None:
 
 
 def test_cones_hang_between_frames_and_rod(film: Animation) -> None:
-    """Outer rims stand still; the rod's lower end and the inner rims keep the spacer's height."""
-    top, bottom, rod = (body(film, name) for name in ("top cone", "bottom cone", "rod"))
+    """Outer rims stand still; the spacer keeps the inner rims apart, and the rod stands on it."""
+    names = ("top cone", "bottom cone", "spacer", "rod")
+    top, bottom, spacer, rod = (body(film, name) for name in names)
     outer = 1e3 * float(given("outer_radius"))
     for cone in (top, bottom):
         assert {(frame[0], frame[-1]) for frame in cone.x} == {(-outer, outer)}
         assert len({y[0] for y in cone.y}) == 1
     middle = len(top.x[0]) // 2
     assert top.x[0][middle] == pytest.approx(1e3 * INNER)
-    for upper, lower, mast in zip(top.y, bottom.y, rod.y, strict=True):
+    for upper, lower, between, mast in zip(top.y, bottom.y, spacer.y, rod.y, strict=True):
         assert upper[middle] - lower[middle] == pytest.approx(1e3 * float(given("spacer")))
-        assert lower[middle] == pytest.approx(mast[0])
+        assert between == pytest.approx([lower[middle], upper[middle]])
+        assert upper[middle] == pytest.approx(mast[0])
+
+
+def test_nothing_leaves_its_window(film: Animation) -> None:
+    for view in film.views:
+        x0, y0, x1, y1 = view.window
+        for each in view.bodies:
+            assert x0 < min(map(min, each.x)) and max(map(max, each.x)) < x1
+            assert y0 < min(map(min, each.y)) and max(map(max, each.y)) < y1
+
+
+def test_every_name_points_at_a_body(film: Animation) -> None:
+    told = film.data()["views"]
+    for view, shown in zip(film.views, told, strict=True):
+        for label, drawn in zip(view.labels, shown["labels"], strict=True):
+            found = view.bodies[drawn["body"]]
+            assert found.name == label.body
+            assert max(label.points) < len(found.x[0])
+    texts = {label.text for view in film.views for label in view.labels}
+    assert texts >= {"wing", "linkage", "film", "spacer"}
 
 
 def test_colour_follows_the_voltages(film: Animation) -> None:
