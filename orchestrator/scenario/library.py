@@ -5,16 +5,54 @@ from __future__ import annotations
 import functools
 import re
 import zipfile
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from ..errors import nearest
 from .files import is_file
 
 LIBRARY = Path("build")
-"""What `resilin build` fills: `fmus` with the Python FMUs, `native` with the compiled ones."""
+"""What `resilin build` fills: `fmus` with the Python FMUs, `native` with the compiled ones.
+
+Given as the folder of the parts it stands for the nearest such folder, see :func:`located`.
+"""
 PYTHON = "fmus"
 NATIVE = "native"
+CHECKOUT = Path(__file__).absolute().parents[2]
 SOURCES = re.compile(rb"<Sources digest=\"([0-9a-f]{64})\"")
+
+
+def located(library: Path, scenario: Path | None = None) -> Path:
+    """The folder of the built parts: as given, or the nearest `build` that holds any.
+
+    It is looked for in the current folder and those above it, in the scenario's and those above
+    that, and in the checkout that this package runs from. Where there is none, it is `build` here.
+    """
+    if library != LIBRARY:
+        return library
+    with suppress(OSError):
+        for folder in _searched(scenario):
+            if _holds_parts(folder / LIBRARY):
+                return folder / LIBRARY
+    return library
+
+
+def _searched(scenario: Path | None) -> Iterator[Path]:
+    yield Path()
+    yield from Path.cwd().parents
+    if scenario is not None:
+        yield from scenario.absolute().parents
+    if _in_checkout():
+        yield CHECKOUT
+
+
+def _in_checkout() -> bool:
+    return (CHECKOUT / "build_fmus.py").is_file() and (CHECKOUT / "pyproject.toml").is_file()
+
+
+def _holds_parts(library: Path) -> bool:
+    return any(any((library / kind).glob("*.fmu")) for kind in (PYTHON, NATIVE))
 
 
 def built_part(name: str, library: Path) -> Path:
@@ -43,13 +81,27 @@ def is_library(folder: Path) -> bool:
     return folder == LIBRARY or (folder / PYTHON).is_dir() or (folder / NATIVE).is_dir()
 
 
-def missing_part(name: str, folder: Path) -> str:
+def missing_part(name: str, folder: Path, scenario: Path | None = None) -> str:
     """What to say where a part has not been built."""
     built = [p.stem for p in folder.glob("*.fmu")] if folder.is_dir() else []
     command = "resilin build --native" if folder.name == NATIVE else "resilin build"
+    if folder.parent == LIBRARY and not built:
+        return f"no part {name!r}: {nothing_built(command, scenario)}"
     if not built:
         return f"no part {name!r} in {folder}, which holds no FMU; run: {command}"
     return f"no part {name!r} in {folder}; {nearest(name, built)} ({command} makes parts)"
+
+
+def nothing_built(command: str = "resilin build", scenario: Path | None = None) -> str:
+    """Where built parts were looked for in vain, and the way out."""
+    folders = [Path.cwd()] + ([] if scenario is None else [scenario.absolute().parent])
+    places = [f"{folder} and above" for folder in dict.fromkeys(folders)]
+    if _in_checkout() and not any(CHECKOUT in (folder, *folder.parents) for folder in folders):
+        places.append(str(CHECKOUT))
+    return (
+        f"no folder build/ with FMUs in {', in '.join(places)};"
+        f" run: {command}, or name another folder: --fmus"
+    )
 
 
 def _alike(one: Path, other: Path) -> bool:

@@ -10,7 +10,7 @@ from ..errors import printable
 from ..fmi.archive import read_description
 from ..fmi.description import Interface, Variable, read_interface
 from ..fmi.safe_xml import guarded
-from .library import LIBRARY, built_part, part_names
+from .library import LIBRARY, built_part, located, part_names
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -34,7 +34,8 @@ def parts(library: Path = LIBRARY) -> dict[str, Interface]:
 
     `FmuError` where a file of the library is not an FMU.
     """
-    return {name: read_interface(built_part(name, library)) for name in part_names(library)}
+    found = located(library)
+    return {name: read_interface(built_part(name, found)) for name in part_names(found)}
 
 
 def description_of(path: Path) -> str:

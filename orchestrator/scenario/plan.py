@@ -7,7 +7,6 @@ everything that does not fit.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from fnmatch import fnmatchcase
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,8 +21,9 @@ from .connections import Connection, check_all_fed, connections_of, held_of
 from .execution_order import order_of
 from .faults import Fault, faults_of
 from .files import is_file
-from .library import LIBRARY, built_part, missing_part
+from .library import LIBRARY, built_part, located, missing_part
 from .metric_definitions import check_metrics
+from .patterns import matches
 from .schema import AUTO, Scenario
 from .start_values import starts_of, without_misfits
 from .substitution import substituted
@@ -89,7 +89,7 @@ class Plan:
         """
         names = [f"{name}.{variable.name}" for name, variable in self.records if variable.real]
         patterns = self.scenario.record.leading
-        chosen = [n for n in names if any(_matches(n, pattern) for pattern in patterns)]
+        chosen = [n for n in names if any(matches(n, pattern) for pattern in patterns)]
         wired = {f"{c.source}.{c.output.name}" for c in self.connections if not c.output.order}
         return chosen or [name for name in names if name in wired] or names
 
@@ -242,7 +242,7 @@ def fmu_path(name: str, scenario: Path, library: Path) -> Path:
     if name.endswith(".fmu") or "/" in name:
         given = Path(name)
         return given if given.is_absolute() else scenario.parent / given
-    return built_part(name, library)
+    return built_part(name, located(library, scenario))
 
 
 def interface_of(name: str, scenario: Path, library: Path) -> Interface:
@@ -252,7 +252,7 @@ def interface_of(name: str, scenario: Path, library: Path) -> Interface:
     """
     file = fmu_path(name, scenario, library)
     if not (name.endswith(".fmu") or "/" in name) and not is_file(file):
-        raise FmuError(missing_part(name, file.parent))
+        raise FmuError(missing_part(name, file.parent, scenario))
     known = read_interface(file)
     if known.ours and not is_built_here(digest_of(file)):
         return replace(known, ours=False, warnings=(NOT_BUILT_HERE, *known.warnings))
@@ -394,13 +394,8 @@ def _matching(component: str, interface: Interface, pattern: str) -> list[str]:
         if found := [
             v.name
             for v in interface.of(*causalities)
-            if (v.numeric and _matches(f"{component}.{v.name}", pattern))
+            if (v.numeric and matches(f"{component}.{v.name}", pattern))
             or (v.kind == "String" and f"{component}.{v.name}" == pattern)
         ]:
             return found
     return []
-
-
-def _matches(name: str, pattern: str) -> bool:
-    """Whether a pattern names a variable; brackets of an array's element are taken literally."""
-    return name == pattern or fnmatchcase(name, pattern)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+from ...scenario.library import located
 from ..run_cache import RunCache
 from ..workers.pool import Failed, WorkerPool
 from .job import Answer, Job, answer_of, carry_out, identity, plan_of
@@ -44,7 +45,7 @@ class CachedRuns:
         check: Callable[[], None] | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> None:
-        self.library = library.absolute()
+        self.library = located(library).absolute()
         self._cache = cache
         self._pool: WorkerPool[Task] = WorkerPool(carry_out, workers)
         self._check = check or (lambda: None)

@@ -13,7 +13,7 @@ from ...errors import ScenarioError
 from ...fmi.description import read_interface
 from ...results.outcome import Outcome
 from ...scenario.files import is_file
-from ...scenario.library import LIBRARY, PYTHON, is_library
+from ...scenario.library import LIBRARY, PYTHON, is_library, located
 from ...scenario.plan import Plan, check, fmu_path
 from ...scenario.schema import Component, MasterSettings, Metrics, Record, Scenario
 
@@ -28,6 +28,7 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
     needs another reference.
     """
     scenario = plan.scenario
+    library = located(library, plan.path)
     home = _home(library)
     parts = {name: plan.interfaces[name].path.stem for name in plan.order}
     for name, part in parts.items():

@@ -10,7 +10,7 @@ from time import perf_counter
 from typing import Any, Literal
 
 from ...errors import ScenarioError
-from ...scenario.library import LIBRARY
+from ...scenario.library import LIBRARY, located
 from ...simulation.interrupt import Interrupt
 from ...simulation.scratch import Scratch
 from ..precision.method import Method, methods_for
@@ -61,6 +61,7 @@ def stability(
     """
     begun = perf_counter()
     check = interrupt.check if interrupt is not None else _nothing
+    library = located(library, file)
     tried = _planned(cases, file, library, methods)
     with Scratch(file) as folder:
         basis = (file.resolve(), library.resolve(), folder, patience)

@@ -9,7 +9,8 @@ import pytest
 
 import build_fmus
 from orchestrator.errors import ScenarioError
-from orchestrator.scenario.library import built_part
+from orchestrator.scenario import library as search
+from orchestrator.scenario.library import LIBRARY, built_part, located
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 
@@ -72,3 +73,77 @@ def test_a_part_that_was_not_built_is_named_with_its_command(tmp_path: Path) -> 
     (tmp_path / "fmus").mkdir()
     with pytest.raises(ScenarioError, match=r"fmus, which holds no FMU; run: resilin build"):
         load("oscillator-1", None, tmp_path)
+
+
+def project(folder: Path, both: Path) -> Path:
+    """A folder with parts in `build` and a scenario further down."""
+    shutil.copytree(both, folder / "build")
+    scenario = folder / "scenarios" / "mine.toml"
+    scenario.parent.mkdir()
+    scenario.write_text('extends = "oscillator-1"\n')
+    return scenario
+
+
+@pytest.fixture
+def elsewhere(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A current folder without parts, on a machine without a checkout that has any."""
+    folder = tmp_path_factory.mktemp("elsewhere")
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(search, "CHECKOUT", folder / "none")
+    return folder
+
+
+def test_parts_are_found_from_the_scenario_upwards(
+    both: Path, elsewhere: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    scenario = project(tmp_path_factory.mktemp("project"), both)
+    plan = load(scenario)
+    home = scenario.parents[1] / "build" / "native"
+    assert {interface.path.parent for interface in plan.interfaces.values()} == {home}
+
+
+def test_parts_are_found_from_the_current_folder_upwards_first(
+    both: Path, elsewhere: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(both, elsewhere / "build")
+    scenario = project(elsewhere / "project", both)
+    assert located(LIBRARY, scenario) == LIBRARY
+    below = elsewhere / "other" / "below"
+    below.mkdir(parents=True)
+    monkeypatch.chdir(below)
+    assert located(LIBRARY, scenario) == elsewhere / "build"
+
+
+def test_parts_are_found_in_the_checkout(
+    both: Path, elsewhere: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checkout = elsewhere.parent / "checkout"
+    shutil.copytree(both, checkout / "build")
+    monkeypatch.setattr(search, "CHECKOUT", checkout)
+    assert located(LIBRARY) == LIBRARY, "a folder that is no checkout"
+    for name in ("build_fmus.py", "pyproject.toml"):
+        (checkout / name).touch()
+    assert located(LIBRARY) == checkout / "build"
+
+
+def test_a_build_without_parts_is_passed_over(
+    both: Path, elsewhere: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    (elsewhere / "build" / "fmus").mkdir(parents=True)
+    scenario = project(tmp_path_factory.mktemp("project"), both)
+    assert located(LIBRARY, scenario) == scenario.parents[1] / "build"
+
+
+def test_a_folder_that_is_named_is_not_looked_for(both: Path, elsewhere: Path) -> None:
+    assert located(Path("parts"), both / "fmus" / "mine.toml") == Path("parts")
+
+
+def test_where_no_part_is_built_the_places_are_named(
+    elsewhere: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    scenario = tmp_path_factory.mktemp("project") / "mine.toml"
+    scenario.write_text('extends = "oscillator-1"\n')
+    with pytest.raises(ScenarioError) as raised:
+        load(scenario)
+    for text in (str(elsewhere), str(scenario.parent), "run: resilin build,", "--fmus"):
+        assert text in raised.value.problems[0]
