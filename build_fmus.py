@@ -219,7 +219,7 @@ def open_recorded(path: Path, name: str, settings: dict[str, str]) -> Any:
         scenario = scenario_of({"components": {name: component}}, path)
         return open_recording(scenario.components[name], path)
     except (ScenarioError, RecordingError) as error:
-        raise BuildError(str(error).replace(f"{path}: components.{name}.", "--set ")) from None
+        raise BuildError(str(error).replace(f"{path}: components.{name}.", "--with ")) from None
 
 
 def recorded_starts(part: Any, recording: Any) -> dict[str, float]:
@@ -310,14 +310,25 @@ def _assignments(texts: list[str], parts: list[str]) -> dict[str, dict[str, str]
 
 
 def _replayed(
-    parts: list[str] | None, path: Path, alias: str | None, texts: list[str] | None
+    parts: list[str] | None,
+    path: Path,
+    alias: str | None,
+    texts: list[str] | None,
+    keys: list[str] | None,
 ) -> tuple[list[str], Any, None]:
     """What `--recording` asks for: the part, the recording that it is to play, no changes."""
     if parts and parts != ["replay"]:
         raise BuildError(f"--recording makes a replay: leave out {', '.join(parts)}")
     if not alias:
         raise BuildError("--recording makes an FMU of its own: name it with --as")
-    settings = _assignments(texts or [], [alias]).get(alias, {})
+    if texts:
+        raise BuildError(f"--set {texts[0]!r}: keys of a recording are given as --with key=value")
+    settings = {}
+    for text in keys or []:
+        key, equals, value = text.rpartition("=")
+        if not (equals and key.strip()):
+            raise BuildError(f"--with {text!r}: write key=value")
+        settings[key.strip()] = value.strip()
     return ["replay"], open_recorded(path, alias, settings), None
 
 
@@ -339,9 +350,11 @@ def build_command(
     ] = None,
     recording: Annotated[
         Path | None,
-        typer.Option(
-            help="Recording to make an FMU of; --set NAME.key=value takes the keys of a scenario."
-        ),
+        typer.Option(help="Recording to make an FMU of."),
+    ] = None,
+    keys: Annotated[
+        list[str] | None,
+        typer.Option("--with", help="Key of a recording, as in a scenario: interpolation=linear."),
     ] = None,
     into: Annotated[
         Path | None, typer.Option(help="Folder for the FMUs; build/fmus or build/native.")
@@ -372,8 +385,10 @@ def build_command(
 
     try:
         record = None
+        if keys and recording is None:
+            raise BuildError("--with gives keys of a recording: name that by --recording")
         if recording is not None:
-            parts, record, set_ = _replayed(parts, recording, alias, set_)
+            parts, record, set_ = _replayed(parts, recording, alias, set_, keys)
         wanted = {
             name: load_part(name) for name in parts or (compilable() if native else part_names())
         }

@@ -143,12 +143,12 @@ def commands() -> str:
 
     from orchestrator.cli import app
 
-    group: Any = get_command(app)
     sections = []
-    for name, command in group.commands.items():
+    for name, command in _every(get_command(app)):
         about, *rest = re.split(r"\n\s*\n", command.help.strip())
         options = _builder() if name == "build" else command.params
-        lines = [f"### {name}", "", " ".join(about.split()), ""]
+        details = [text for text in rest if not text.strip().startswith("Example: ")]
+        lines = [f"### {name}", "", " ".join(" ".join([about, *details]).split()), ""]
         arguments = [p for p in options if p.param_type_name == "argument"]
         usage = " ".join(["resilin", name, *(_shown(p) for p in arguments), "[OPTIONS]"])
         lines += ["```text", usage, *_examples(rest), "```", ""]
@@ -156,6 +156,15 @@ def commands() -> str:
         lines += ["| argument or option | meaning |", "|---|---|", *rows, ""] if rows else []
         sections.append("\n".join(lines))
     return "\n".join(sections)
+
+
+def _every(group: Any, before: str = "") -> Iterator[tuple[str, Any]]:
+    """Every command that is shown, by its words; those of a group in the place of the group."""
+    for name, command in group.commands.items():
+        if hasattr(command, "commands"):
+            yield from _every(command, f"{before}{name} ")
+        elif not command.hidden:
+            yield f"{before}{name}", command
 
 
 def _builder() -> list[Any]:

@@ -235,7 +235,7 @@ def stroke(figure: Any, outcome: Outcome) -> None:
 
 def wiring() -> None:
     """The diagram of the command line."""
-    command = [sys.executable, "-m", "orchestrator.cli", "inspect", SCENARIO, "--diagram"]
+    command = [sys.executable, "-m", "orchestrator.cli", "inspect", SCENARIO, "--output"]
     subprocess.run([*command, HERE / "wiring.svg"], check=True, stdout=subprocess.DEVNULL)
 
 

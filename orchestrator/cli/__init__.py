@@ -19,6 +19,7 @@ from . import (
     build,
     calibrate,
     check,
+    command_list,
     compare,
     exchange,
     fit,
@@ -37,11 +38,16 @@ from . import (
 )
 
 app = typer.Typer(
+    cls=command_list.CommandList,
     add_completion=True,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     help="Co-simulation of a flapping-wing vehicle driven by dielectric elastomers.",
-    epilog="Exit codes: 0 done, 1 the run stopped, 2 wrong input, 130 Ctrl-C, 143 SIGTERM.",
+    epilog=(
+        "A law is what a port passes beside its value: how that changes with motion and time, and"
+        " its curvature; a value that is passed alone is held over a step.\n"
+        "Exit codes: 0 done, 1 the run stopped, 2 wrong input, 130 Ctrl-C, 143 SIGTERM."
+    ),
 )
 
 
@@ -66,24 +72,24 @@ def options(
 
 
 for module in (
-    build,
-    new,
     run,
+    record,
     sweep,
     precision,
     stability,
     linearise,
-    calibrate,
-    paper,
-    record,
     fit,
-    inspect,
-    parts,
     results,
-    check,
     plot,
     compare,
+    build,
+    new,
+    parts,
+    check,
+    inspect,
     exchange,
+    paper,
+    calibrate,
 ):
     module.add_to(app)
 

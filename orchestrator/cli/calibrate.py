@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import common
+from .command_list import PAPER
+from .renamed_options import known_as
 
 if TYPE_CHECKING:
     from ..simulation.interrupt import Interrupt
@@ -18,12 +20,12 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("calibrate")(calibrate)
+    app.command("calibrate", rich_help_panel=PAPER, cls=known_as(file="fits"))(calibrate)
 
 
 def calibrate(
     fit: Annotated[list[str] | None, typer.Argument(help="Fits by name; all if none.")] = None,
-    file: Annotated[
+    fits: Annotated[
         Path | None, typer.Option(help="TOML file of fits; the shipped one if not given.")
     ] = None,
     refit: Annotated[
@@ -37,7 +39,9 @@ def calibrate(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Fit parameters to the paper's data again; show errors, sensitivities and spreads.
+    """Fit parameters to the paper's data again.
+
+    It shows errors, sensitivities and spreads.
 
     Example: resilin calibrate vehicle vehicle-long-rocker --no-refit --native
     """
@@ -50,11 +54,12 @@ def calibrate(
     tell = (lambda text: typer.echo(text, err=True)) if shown else None
     if profile:
         with Interrupt() as interrupt, common.reported():
-            fits = [one for one in load_fits(file or shipped(), fit) if one.profile or fit]
-            _profile(fits, common.library(fmus, native), interrupt, tell, json, quiet)
+            parts = common.library(fmus, native, fits)
+            wanted = [one for one in load_fits(fits or shipped(), fit) if one.profile or fit]
+            _profile(wanted, parts, interrupt, tell, json, quiet)
         return
     with Interrupt() as interrupt, common.reported():
-        library = common.library(fmus, native)
+        library = common.library(fmus, native, fits)
         found = [
             study_calibrate(
                 one,
@@ -63,7 +68,7 @@ def calibrate(
                 interrupt=interrupt,
                 tell=tell,
             )
-            for one in load_fits(file or shipped(), fit)
+            for one in load_fits(fits or shipped(), fit)
         ]
     if json:
         common.print_json([facts(one) for one in found])

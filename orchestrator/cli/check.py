@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 
 from ..errors import FmuError, printable
+from .command_list import PARTS
 
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("check")(check)
+    app.command("check", rich_help_panel=PARTS)(check)
 
 
 def check(
@@ -21,7 +22,9 @@ def check(
         bool, typer.Option("--strict", help="Count warnings and what fmpy finds as errors.")
     ] = False,
 ) -> None:
-    """List everything found in FMU files, also by fmpy's validation; exit code 1 with errors.
+    """List what is wrong with FMU files.
+
+    Also by fmpy's validation. The exit code is 1 where there are errors.
 
     Example: resilin check build/fmus/spring.fmu
     """

@@ -37,7 +37,8 @@ Sets = Annotated[
 Laws = Annotated[
     str | None,
     typer.Option(
-        help="How much of each port is used: held, affine, curvature.",
+        help="What a port passes for a step: its value (held), how it changes with motion and time"
+        " (affine), and its curvature (curvature).",
         autocompletion=completion.laws,
     ),
 ]
@@ -55,7 +56,27 @@ MethodTexts = Annotated[
         "--method", help="Master, or master/laws as jacobi/held; may repeat. All if not given."
     ),
 ]
-Library = Annotated[Path, typer.Option("--fmus", help="Folder of the built parts.")]
+Variables = Annotated[
+    list[str] | None,
+    typer.Option("--variable", help="Variable, or pattern as linkage.*; may repeat."),
+]
+Holds = Annotated[
+    list[str] | None,
+    typer.Option("--hold", help='Value of an input without a wire, as force.value="0 N".'),
+]
+Workers = Annotated[
+    int | None, typer.Option(min=1, help="Processes; as many as processors if not given.")
+]
+Patience = Annotated[float | None, typer.Option(help="Seconds that one run may take.")]
+Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw pictures too.")]
+Library = Annotated[
+    Path,
+    typer.Option(
+        "--fmus",
+        help="Folder of the built parts; the nearest build/ if not given.",
+        show_default=False,
+    ),
+]
 Native = Annotated[
     bool | None,
     typer.Option(
@@ -80,6 +101,8 @@ Name = Annotated[
 ]
 BUILT = Path("build")
 """Where the build command puts parts of both kinds."""
+PLOT_ONLY = "plots are pictures, and variables are chosen by --variable"
+"""For commands whose `--output` was a variable in earlier releases."""
 RESULTS = Path("results")
 """Where results go that are given no path."""
 
@@ -119,13 +142,20 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
     return changes
 
 
-def library(fmus: Path, native: bool | None) -> Path:
-    """Folder in which a scenario's parts are found."""
+def library(fmus: Path, native: bool | None, scenario: str | Path | None = None) -> Path:
+    """Folder in which the parts are found, for a scenario given by its name or path."""
+    from ..scenario.library import NATIVE, PYTHON, is_library, located
+
+    found = located(fmus, None if scenario is None else Path(scenario))
     if native is None:
-        return fmus
-    if fmus != BUILT:
-        raise InputError("--native, --python and --fmus all name the folder of the parts: give one")
-    return BUILT / ("native" if native else "fmus")
+        return found
+    kind = NATIVE if native else PYTHON
+    if not is_library(found):
+        option = "--native" if native else "--python"
+        raise InputError(
+            f"{option}: {found} has no folder {kind} beside another kind; leave it out"
+        )
+    return found / kind
 
 
 def methods(texts: list[str] | None) -> list[Method] | None:

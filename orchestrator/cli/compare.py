@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from . import common
+from .command_list import RESULTS
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -18,29 +19,30 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("compare")(compare)
+    app.command("compare", rich_help_panel=RESULTS)(compare)
 
 
 def compare(
     one: Annotated[Path, typer.Argument(help="A result, at whose times the two are compared.")],
     other: Annotated[Path, typer.Argument(help="The result to compare with it.")],
-    variables: Annotated[
-        list[str] | None, typer.Option("--variable", help="Pattern, as linkage.*; may repeat.")
-    ] = None,
+    variables: common.Variables = None,
     output: Annotated[
         Path | None, typer.Option(help="Plot of both over each other, as .png, .svg or .pdf.")
     ] = None,
     json: common.Json = False,
 ) -> None:
-    """Compare two runs: their metrics, and how far each variable is from the other's.
+    """Compare two runs: their metrics, then each variable.
 
     Example: resilin compare results/flapping-full-wings.nc results/slower.nc
     """
+    from ..report.image import check_plot
     from ..results.comparison import compared
     from ..results.plot import overlay
     from ..results.recorded import read_recorded
 
     with common.reported():
+        if output is not None:
+            check_plot(output)
         names = common.run_names([one, other])
         runs = {name: read_recorded(path) for name, path in names.items()}
         found = compared(*runs.values(), patterns=variables)

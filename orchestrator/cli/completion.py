@@ -62,10 +62,11 @@ def start_values(ctx: typer.Context, incomplete: str) -> list[tuple[str, str]]:
 
 def parts(ctx: typer.Context, incomplete: str) -> list[str]:
     """Names of the built parts."""
-    from ..scenario.library import LIBRARY, part_names
+    from ..scenario.library import LIBRARY, located, part_names
 
     with suppress(ResilinError, OSError):
-        return _beginning(incomplete, part_names(Path(ctx.params.get("fmus") or LIBRARY)))
+        library = located(Path(ctx.params.get("fmus") or LIBRARY))
+        return _beginning(incomplete, part_names(library))
     return []
 
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import common
+from .command_list import SCENARIOS
+from .renamed_options import known_as
 
 if TYPE_CHECKING:
     from ..scenario.plan import Plan
@@ -15,14 +17,18 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Register the commands."""
-    app.command("export")(export)
-    app.command("schema")(schema)
+    app.command(
+        "export", rich_help_panel=SCENARIOS, cls=known_as(to="output", also="parameter_set")
+    )(export)
+    app.command("schema", rich_help_panel=SCENARIOS)(schema)
 
 
 def export(
     scenario: common.ScenarioName,
-    to: Annotated[Path | None, typer.Option(help="SSP archive; SCENARIO.ssp if not given.")] = None,
-    also: Annotated[
+    output: Annotated[
+        Path | None, typer.Option(help="SSP archive; SCENARIO.ssp if not given.")
+    ] = None,
+    parameter_set: Annotated[
         list[str] | None,
         typer.Option(help='Further parameter set, as cold:spring.damping="2 N*s/m"; may repeat.'),
     ] = None,
@@ -36,25 +42,27 @@ def export(
     native: common.Native = None,
     quiet: common.Quiet = False,
 ) -> None:
-    """Write a scenario as an SSP archive: structure, parameters and FMUs, for other tools.
+    """Write a scenario as an SSP archive for other tools.
 
-    Example: resilin export flapping-full-wings --to vehicle.ssp --native
+    It holds structure, parameters and FMUs.
+
+    Example: resilin export flapping-full-wings --output vehicle.ssp --native
     """
-    from ..errors import InputError, OutputError
+    from ..errors import InputError
+    from ..report.files import check_place
     from ..scenario.ssp.write import VERSIONS, Package, write_ssp
     from ..simulation.load import unloaded
     from ..simulation.scratch import Scratch
 
-    target = to or Path(f"{Path(scenario).stem}.ssp")
+    target = output or Path(f"{Path(scenario).stem}.ssp")
     with common.reported(), Scratch(Path(scenario)) as folder:
-        if target.suffix != ".ssp":
-            raise OutputError(f"{target}: SSP archives are called *.ssp")
+        check_place(target, "is no SSP archive by its name", [".ssp"])
         if version not in VERSIONS:
             raise InputError(f"--ssp {version}: is not written; choose {' or '.join(VERSIONS)}")
         options = common.overrides(laws, kind, stop, step)
-        library = common.library(fmus, native)
+        library = common.library(fmus, native, scenario)
         plan = unloaded(scenario, common.assignments(set_), library, **options)
-        sets = _sets(scenario, also or [], library, options)
+        sets = _sets(scenario, parameter_set or [], library, options)
         files, built_in = _made(plan, folder)
         remarks = write_ssp(Package(plan, files, built_in, sets, version), target)
     if not quiet:
@@ -122,8 +130,8 @@ def _sets(
     for text in texts:
         name, colon, assignment = text.partition(":")
         if not (colon and name.isidentifier()) or name in {"parameters", "SystemStructure"}:
-            raise InputError(f"--also {text!r}: write NAME:component.parameter=value")
-        wanted.setdefault(name, {}).update(common.assignments([assignment], "--also"))
+            raise InputError(f"--parameter-set {text!r}: write NAME:component.parameter=value")
+        wanted.setdefault(name, {}).update(common.assignments([assignment], "--parameter-set"))
     made: dict[str, dict[str, float | str]] = {}
     for name, changes in wanted.items():
         starts = unloaded(scenario, changes, library, **options).starts
@@ -132,7 +140,9 @@ def _sets(
 
 
 def schema() -> None:
-    """Print the JSON Schema of scenario files, for completion and checks in an editor.
+    """Print the JSON Schema of scenario files, for editors.
+
+    It is for completion and checks.
 
     Example: resilin schema > scenario.schema.json
     """

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import common
+from .command_list import RUNS
+from .renamed_options import known_as
 
 if TYPE_CHECKING:
     from ..studies.identification import Identified
@@ -16,7 +18,11 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("fit")(fit)
+    app.command(
+        "fit",
+        rich_help_panel=RUNS,
+        cls=known_as(picture="output", parameters="parameter", scene="scenario"),
+    )(fit)
 
 
 def fit(
@@ -27,23 +33,22 @@ def fit(
     parameters: Annotated[
         list[str],
         typer.Option(
-            "--parameters", "--parameter", help='As mass, "mass=0.3 g:2 g", or spring.damping.'
+            "--parameter", help='As mass, "mass=0.3 g:2 g", or spring.damping; may repeat.'
         ),
     ],
     scenario: Annotated[
         str | None, typer.Option(help="Scenario of the parts: its wires and start values.")
     ] = None,
-    scene: Annotated[str | None, typer.Option("--scene", hidden=True)] = None,
-    outputs: Annotated[
-        list[str] | None, typer.Option("--output", help="Recorded output that counts, or pattern.")
+    variables: common.Variables = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Plot; results/RECORDING-fit.png if not given. Also .svg, .pdf."),
     ] = None,
     keys: Annotated[
         list[str] | None,
         typer.Option("--with", help="Key of a recording, as in a scenario: interpolation=linear."),
     ] = None,
-    hold: Annotated[
-        list[str] | None, typer.Option(help='Input that was not recorded, as force.value="0 N".')
-    ] = None,
+    hold: common.Holds = None,
     set_: common.Sets = None,
     step: Annotated[
         str | None, typer.Option(help="Communication step; the rows of the file if not given.")
@@ -56,21 +61,19 @@ def fit(
     ] = 0.95,
     fmus: common.Library = common.BUILT,
     native: common.Native = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("--picture", help="PNG or SVG; results/NAME-fit.png if not given."),
-    ] = None,
     html: common.Html = None,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Fit parameters of parts to a recording by least squares, with intervals and a plot.
+    """Fit parameters of parts to a recording.
 
-    Example: resilin fit bench.csv --part payload --parameters mass --native
+    It is done by least squares, over the recorded outputs or those of --variable.
+
+    Example: resilin fit bench.csv --part payload --parameter mass --native
     """
-    from ..errors import InputError, renamed
-    from ..report.image import draw
-    from ..report.page import prepare, write
+    from ..errors import InputError
+    from ..report.image import check_plot, draw
+    from ..report.page import check_page, write
     from ..simulation.interrupt import Interrupt
     from ..studies.identification import Asked, Settings, case_of, identify, unknowns_of
     from ..studies.identification.table import facts, figure, page
@@ -78,14 +81,10 @@ def fit(
 
     shown = sys.stderr.isatty() and not (quiet or json)
     target = output or Path("results") / f"{recording.stem}-fit.png"
-    if scene is not None:
-        renamed("the option --scene", "--scenario")
-        scenario = scenario or scene
     with Interrupt() as interrupt, common.reported():
         if html is not None:
-            prepare(html)
-        if target.suffix not in {".png", ".svg", ".pdf"}:
-            raise InputError(f"{target}: plots are .png, .svg or .pdf files")
+            check_page(html)
+        check_plot(target, common.PLOT_ONLY)
         if not 0.0 < level < 1.0:
             raise InputError(f"--level {level:g}: has to be between 0 and 1")
         try:
@@ -96,10 +95,10 @@ def fit(
         if late < 0.0 or (size is not None and size <= 0.0):
             raise InputError("--step has to be above zero, --skip not below it")
         asked = Asked(
-            part, scenario, pairs(keys, "--with"), pairs(hold, "--hold"), tuple(outputs or ()),
+            part, scenario, pairs(keys, "--with"), pairs(hold, "--hold"), tuple(variables or ()),
             pairs(set_, "--set"), size,
         )  # fmt: skip
-        case = case_of(recording, asked, common.library(fmus, native))
+        case = case_of(recording, asked, common.library(fmus, native, scenario or recording))
         names = [name for name in case.plan.scenario.components if name != "recording"]
         unknowns = unknowns_of(
             [name for text in parameters for name in text.split(",")], case.plan, names
@@ -108,7 +107,6 @@ def fit(
             case, unknowns, Settings(late, level), interrupt=interrupt,
             tell=(lambda text: typer.echo(text, err=True)) if shown else None,
         )  # fmt: skip
-        target.parent.mkdir(parents=True, exist_ok=True)
         draw(figure(found), [target])
         written = write(page(found), html) if html is not None else None
     if json:

@@ -9,6 +9,8 @@ import typer
 
 from ..errors import renamed
 from . import common, parts
+from .command_list import SCENARIOS
+from .renamed_options import known_as
 
 if TYPE_CHECKING:
     from ..scenario.plan import Plan
@@ -16,8 +18,8 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Register the commands."""
-    app.command("inspect")(inspect)
-    app.command("scenarios")(scenarios)
+    app.command("inspect", rich_help_panel=SCENARIOS, cls=known_as(diagram="output"))(inspect)
+    app.command("scenarios", rich_help_panel=SCENARIOS)(scenarios)
     app.command("scenes", hidden=True)(_scenes)
 
 
@@ -26,38 +28,43 @@ def inspect(
     set_: common.Sets = None,
     laws: common.Laws = None,
     kind: common.Kind = None,
-    fmus: common.Library = common.BUILT,
-    diagram: Annotated[
-        Path | None, typer.Option(help="Draw components and wires into an .svg or .png file.")
+    output: Annotated[
+        Path | None, typer.Option(help="Drawing of components and wires, as .svg or .png.")
     ] = None,
+    fmus: common.Library = common.BUILT,
+    native: common.Native = None,
     stability: Annotated[
         bool,
         typer.Option("--stability", help="Load the FMUs; warn of a coupling unstable at its step."),
     ] = False,
     json: common.Json = False,
 ) -> None:
-    """Check a scenario and show what it is made of; no FMU is loaded, except for --stability.
+    """Check a scenario and show what it is made of.
 
-    An .fmu file, or a part that is no scenario, is shown as by `resilin parts`.
+    No FMU is loaded, except for --stability. An .fmu file, or a part that is no scenario, is
+    shown as by `resilin parts`.
 
-    Example: resilin inspect flapping-full-wings --diagram vehicle.svg
+    Example: resilin inspect flapping-full-wings --output vehicle.svg
     """
+    from ..report.files import check_place
     from ..scenario.files import scenario_names
     from ..scenario.library import part_names
     from ..simulation.load import load, unloaded
 
-    if scenario.endswith(".fmu") or scenario in {*part_names(fmus)} - {*scenario_names()}:
-        with common.reported():
-            parts.show(scenario, fmus, json)
-        return
     with common.reported():
+        library = common.library(fmus, native, scenario)
+        if scenario.endswith(".fmu") or scenario in {*part_names(library)} - {*scenario_names()}:
+            parts.show(scenario, library, json)
+            return
+        if output is not None:
+            check_place(output, "a diagram is an SVG or a PNG", [".svg", ".png"])
         options = common.overrides(laws, kind)
         read = load if stability else unloaded
-        plan = read(scenario, common.assignments(set_), fmus, **options)
-        if diagram is not None:
+        plan = read(scenario, common.assignments(set_), library, **options)
+        if output is not None:
             from ..scenario.diagram.draw import draw
 
-            draw(plan, diagram)
+            draw(plan, output)
         verdict = _stability(plan) if stability else ""
     if json:
         from ..scenario.inspection import facts
@@ -70,13 +77,14 @@ def inspect(
         common.console().print(table)
     if verdict:
         typer.echo(verdict)
-    if diagram is not None:
-        typer.echo(f"diagram: {diagram}")
+    if output is not None:
+        typer.echo(f"diagram: {output}")
 
 
 def _stability(plan: Plan) -> str:
     """Prediction of the linear step map for the scenario's master and step, with the wire."""
-    from ..simulation.linear.step_map import MAPPED, SLACK, quiet, step_map
+    from ..simulation.linear.drive import quiet
+    from ..simulation.linear.step_map import MAPPED, SLACK, step_map
 
     kind = plan.scenario.master.kind
     if kind not in MAPPED:

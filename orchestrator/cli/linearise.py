@@ -8,30 +8,32 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from . import common
+from .command_list import RUNS
+from .renamed_options import known_as
 
 if TYPE_CHECKING:
     from ..scenario.plan import Plan
     from ..simulation.linear.state_space import Linear
+    from ..studies.frequency_response import Beside
 
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("linearise")(linearise)
+    app.command("linearise", rich_help_panel=RUNS, cls=known_as(bode="output"))(linearise)
 
 
 def linearise(
     scenario: common.ScenarioName,
-    input_: Annotated[
-        list[str] | None, typer.Option("--input", help="Held input to perturb; all if not given.")
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option("--input", help="Input without a wire, to perturb; all if not given."),
     ] = None,
+    variables: common.Variables = None,
     output: Annotated[
-        list[str] | None, typer.Option(help="Recorded variable; all if not given. May repeat.")
+        Path | None, typer.Option(help="Plot of the frequency response, as .png, .svg or .pdf.")
     ] = None,
     set_: common.Sets = None,
-    hold: Annotated[
-        list[str] | None,
-        typer.Option(help='Value of a held input, as amplifier.command.top="1 kV".'),
-    ] = None,
+    hold: common.Holds = None,
     kind: common.Kind = None,
     laws: common.Laws = None,
     step: common.Step = None,
@@ -42,46 +44,57 @@ def linearise(
             " model. The communication step if not given."
         ),
     ] = None,
-    bode: Annotated[
-        Path | None, typer.Option(help="Draw the frequency response into this file.")
-    ] = None,
     swept: Annotated[
         Path | None,
-        typer.Option("--beside", help="Draw a sweep over frequency beside it, as points."),
+        typer.Option("--beside", help="Sweep over frequency to draw into the plot, as points."),
     ] = None,
     drive: Annotated[str, typer.Option(help="Amplitude of that sweep's drive, as 960 V.")] = "1",
     fmus: common.Library = common.BUILT,
+    native: common.Native = None,
     json: common.Json = False,
 ) -> None:
-    """Linearise a scenario about its state of rest, through the FMUs alone.
+    """Linearise a scenario at rest: poles, frequency response.
 
-    A driven one is at rest once a cycle: --interval "1 cycle".
+    It is done through the FMUs alone, and shows the recorded variables that answer. A driven one
+    is at rest once a cycle: --interval "1 cycle".
 
     Example: resilin linearise oscillator-1 --set amplifier.waveform=external
-    --hold amplifier.command.top="1 kV" --bode bode.svg
+    --hold amplifier.command.top="1 kV" --output bode.svg
     """
-    from ..simulation.linear.state_space import AVERAGED, MARKOV
+    from ..errors import InputError
+    from ..report.image import check_plot
+    from ..simulation.linear.state_space import AVERAGED, MARKOV, signals
     from ..simulation.linear.state_space import linearise as linearised
     from ..simulation.linear.step_map import MAPPED, step_map
-    from ..simulation.load import load
+    from ..simulation.load import load, unloaded
 
     with common.reported():
         options: dict[str, Any] = common.overrides(laws, kind, step=step)
         held = common.assignments(hold, "--hold")
-        plan = load(scenario, common.assignments(set_), fmus, **options, hold=held)
+        library = common.library(fmus, native, scenario)
+        if output is not None:
+            check_plot(output, common.PLOT_ONLY)
+        elif swept is not None:
+            raise InputError("--beside: goes into the plot of --output; name that too")
+        changes = common.assignments(set_)
+        first = unloaded(scenario, changes, library, **options, hold=held)
+        nudged, _ = signals(first, inputs, variables, driven=interval is not None)
+        points = _points(swept, drive, first, nudged[0]) if swept is not None else None
+        plan = load(scenario, changes, library, **options, hold=held)
         if interval is None:
-            found = linearised(plan, input_, output)
+            found = linearised(plan, inputs, variables)
             mapped = step_map(plan)
             radii = {name: mapped.radius(name) for name in MAPPED}
         else:
             every = _seconds(interval, plan)
-            found = linearised(plan, input_, output, count=MARKOV, interval=every, nudge=AVERAGED)
+            found = linearised(
+                plan, inputs, variables, count=MARKOV, interval=every, nudge=AVERAGED
+            )
             radii = {}
-        if bode is not None:
-            from ..studies.frequency_response import beside, draw
+        if output is not None:
+            from ..studies.frequency_response import draw
 
-            points = beside(swept, _amplitude(found, drive)) if swept else None
-            draw(found, bode, plan.frequency, points)
+            draw(found, output, plan.frequency, points)
     if json:
         poles = found.eigenvalues()
         common.print_json(
@@ -108,18 +121,20 @@ def _seconds(text: str, plan: Plan) -> float:
     return every
 
 
-def _amplitude(found: Linear, text: str) -> float:
-    """A drive's amplitude in the unit of the first input."""
+def _points(path: Path, text: str, plan: Plan, driven: str) -> Beside:
+    """A sweep by its drive, whose amplitude is a text in the unit of the input that is driven."""
     from ..errors import InputError
+    from ..studies.frequency_response import beside
     from ..units import UnitError, si_value
 
+    component, _, name = driven.partition(".")
     try:
-        value = si_value(text, found.units[found.inputs[0]] or "1")
+        value = si_value(text, plan.interfaces[component].variables[name].unit or "1")
     except UnitError as error:
         raise InputError(f"--drive: {error}") from None
     if not value > 0.0:
         raise InputError(f"--drive {text!r}: has to be above zero")
-    return value
+    return beside(path, value)
 
 
 def _report(found: Linear, radii: dict[str, float]) -> None:

@@ -9,13 +9,16 @@ import typer
 
 from ..errors import InputError
 from . import common
+from .command_list import PARTS
 
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    group = typer.Typer(no_args_is_help=True, help="Write the folder of a part of one's own.")
+    group = typer.Typer(
+        no_args_is_help=True, help="Write the folder of a part of one's own: new part NAME."
+    )
     group.command("part")(part)
-    app.add_typer(group, name="new")
+    app.add_typer(group, name="new", rich_help_panel=PARTS)
 
 
 def part(

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import common
+from .command_list import PAPER
+from .renamed_options import known_as
 
 if TYPE_CHECKING:
     from ..studies.paper.reproduction import Reproduction
@@ -18,7 +20,9 @@ TARGET = Path("results") / "paper" / "paper.html"
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("paper")(paper)
+    app.command(
+        "paper", rich_help_panel=PAPER, cls=known_as(pictures="picture", no_pictures="no_picture")
+    )(paper)
 
 
 def paper(
@@ -29,26 +33,24 @@ def paper(
     output: Annotated[
         Path, typer.Option(help="HTML page; plots and finished runs go beside it.")
     ] = TARGET,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes; as many as processors if not given.")
-    ] = None,
+    workers: common.Workers = None,
     fmus: common.Library = common.BUILT,
     native: common.Native = None,
-    pictures: Annotated[bool, typer.Option(help="Draw a PNG and an SVG of every figure.")] = True,
+    picture: common.Picture = True,
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Reproduce the paper: run its figures and tables; write one page with the errors of each.
+    """Run the paper's figures and tables; write one page.
 
-    Finished runs are kept beside the page, and repeated only if scenario, FMUs or version change.
+    It shows the error of each number. Finished runs are kept beside the page, and repeated only if
+    scenario, FMUs or version change.
 
     Example: resilin paper figure11 equation6
     """
-    from ..report.page import prepare, write
+    from ..report.page import check_page, write
     from ..simulation.interrupt import Interrupt
     from ..studies.paper.cached_runs import CachedRuns
-    from ..studies.paper.page import facts, page
-    from ..studies.paper.page import pictures as draw
+    from ..studies.paper.page import facts, page, pictures
     from ..studies.paper.reproduction import chosen, reproduced
     from ..studies.run_cache import RunCache
 
@@ -61,12 +63,12 @@ def paper(
     with Interrupt() as interrupt, common.reported():
         names = chosen(items or [])
         parts = common.library(fmus, native)
-        prepare(output)
+        check_page(output)
         runs = RunCache(output.with_name(f"{output.stem}.runs"))
         with CachedRuns(parts, runs, workers, interrupt.check, tell) as cached_runs:
             found = reproduced(names, cached_runs)
         written = write(page(found, parts), output)
-        drawn = draw(found, output.parent) if pictures else []
+        drawn = pictures(found, output.parent) if picture else []
     if json:
         files = {"page": str(written), "pictures": [str(path) for path in drawn]}
         common.print_json(files | facts(found))

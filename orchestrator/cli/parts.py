@@ -9,11 +9,12 @@ import typer
 
 from ..errors import InputError
 from . import common, completion
+from .command_list import PARTS
 
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("parts")(parts)
+    app.command("parts", rich_help_panel=PARTS)(parts)
 
 
 def parts(
@@ -28,7 +29,7 @@ def parts(
     native: common.Native = None,
     json: common.Json = False,
 ) -> None:
-    """List the parts; or show one: its parameters with start value, range and meaning, its ports.
+    """List the parts; or show one: its parameters and ports.
 
     Example: resilin parts amplifier
     """
@@ -59,11 +60,13 @@ def show(part: str, library: Path, json: bool) -> None:
 
 
 def _list(library: Path, json: bool) -> None:
-    from ..scenario.library import built_part, part_names
+    from ..scenario.library import built_part, nothing_built, part_names
     from ..scenario.part_inspection import description_of
 
     found = {name: built_part(name, library) for name in part_names(library)}
     if not found:
+        if library == common.BUILT:
+            raise InputError(nothing_built())
         raise InputError(f"the folder {library} holds no FMU; run: resilin build")
     described = {name: description_of(path) for name, path in found.items()}
     if json:

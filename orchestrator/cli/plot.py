@@ -9,23 +9,19 @@ import typer
 
 from ..errors import InputError
 from . import common
+from .command_list import RESULTS
 
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("plot")(plot)
+    app.command("plot", rich_help_panel=RESULTS)(plot)
 
 
 def plot(
     results: Annotated[
         list[Path], typer.Argument(help="A result, whole or partial; several runs, or one sweep.")
     ],
-    variables: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--variable", help="Pattern of variables or metrics, as linkage.*; may repeat."
-        ),
-    ] = None,
+    variables: common.Variables = None,
     cycles: Annotated[
         float | None, typer.Option(help="How many of the last cycles; 0 for all, 5 if not given.")
     ] = None,
@@ -33,16 +29,20 @@ def plot(
         Path | None, typer.Option(help="Plot; RESULT.png if not given. Also .svg, .pdf.")
     ] = None,
 ) -> None:
-    """Draw runs over each other, panel by panel of the scenario, or the variables that match.
+    """Draw runs over each other, or a sweep.
 
-    A sweep becomes lines over one axis, heat maps over two.
+    Runs are drawn panel by panel of the scenario, or the variables of --variable. A sweep becomes
+    lines over one axis, heat maps over two.
 
     Example: resilin plot results/flapping-full-wings.nc --variable "linkage.*_energy"
     """
+    from ..report.image import check_plot
     from ..results.plot import CYCLES, overlay
     from ..results.recorded import attributes_of, is_sweep, read_recorded
 
     with common.reported():
+        if output is not None:
+            check_plot(output)
         if len(results) == 1 and is_sweep(attributes_of(results[0])):
             from ..results.netcdf import opened_file
             from ..studies.sweep.dataset import over_axes

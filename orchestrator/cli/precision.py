@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import common
+from .command_list import RUNS
 from .study_files import StudyFiles
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("precision")(precision)
+    app.command("precision", rich_help_panel=RUNS)(precision)
 
 
 def precision(
@@ -38,10 +39,7 @@ def precision(
         str | None,
         typer.Option(help="monolith or self; if not given, the monolith where there is one."),
     ] = None,
-    variable: Annotated[
-        list[str] | None,
-        typer.Option(help="Variable whose error counts; the leading ones if none."),
-    ] = None,
+    variables: common.Variables = None,
     use: Annotated[
         float | None,
         typer.Option(
@@ -61,13 +59,15 @@ def precision(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scenario by every method at several steps: error, order and run time of each.
+    """Compare methods and steps: error, order and run time.
+
+    The error of the variables counts, by default that of the scenario's leading ones.
 
     Example: resilin precision flapping-full-wings --stop "10 cycles"
     """
     from ..errors import InputError
     from ..simulation.interrupt import Interrupt
-    from ..studies.precision.chosen_setting import write_setting
+    from ..studies.precision.chosen_setting import check_setting, setting_path, write_setting
     from ..studies.precision.page import page
     from ..studies.precision.study import FACTORS
     from ..studies.precision.study import precision as study_precision
@@ -93,16 +93,19 @@ def precision(
             raise InputError("--tolerance: has to be between 0 and 1")
         if use is not None and not 0.0 < use < 1.0:
             raise InputError("--use: has to be between 0 and 1")
-        files.prepare()
+        parts = common.library(fmus, native, scenario)
+        files.check()
+        if use is not None:
+            check_setting(setting_path(scenario, use))
         study = study_precision(
             scenario,
-            common.library(fmus, native),
+            parts,
             methods=method,
             factors=factor or FACTORS,
             tolerances=tolerance or (),
             also=also or (),
             reference="self" if reference == "self" else "monolith" if reference else None,
-            variables=variable,
+            variables=variables,
             repeats=repeats,
             changes=common.assignments(set_),
             options=common.overrides(stop=stop),
@@ -110,11 +113,10 @@ def precision(
             tell=tell,
         )
         files.write(study, table=write, plot=draw, page=page)
-        found = common.library(fmus, native)
         written = None
         if use is not None:
             changes = common.assignments(set_)
-            written = write_setting(study, scenario, use, found, changes=changes, stop=stop)
+            written = write_setting(study, scenario, use, parts, changes=changes, stop=stop)
     if json:
         common.print_json({"reference": study.reference, "runs": facts(study)})
     elif not quiet:

@@ -8,16 +8,17 @@ from typing import Annotated
 import typer
 
 from . import common
+from .command_list import RUNS
 
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("record")(record)
+    app.command("record", rich_help_panel=RUNS)(record)
 
 
 def record(
     scenario: common.ScenarioName,
-    part: Annotated[str, typer.Option(help="Component of the scenario whose outputs are kept.")],
+    part: Annotated[str, typer.Option(help="Component of the scenario.")],
     output: Annotated[
         Path | None,
         typer.Option(help="Recording, .csv or .nc; results/SCENARIO-PART.csv if not given."),
@@ -32,27 +33,25 @@ def record(
     native: common.Native = None,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scenario and keep the outputs of one part, as a recording that can take its place.
+    """Run a scenario; record the outputs of one part.
+
+    The recording can take the place of the part.
 
     Example: resilin record flapping-full-wings --part amplifier --stop "10 cycles"
     """
-    from ..errors import OutputError
-    from ..results.netcdf import prepare
+    from ..report.files import check_place
     from ..results.port_recording import with_recorded_ports, write_port_recording
     from ..simulation.interrupt import Interrupt
-    from ..simulation.load import load
+    from ..simulation.load import load, unloaded
     from ..simulation.run import run
 
     with Interrupt() as interrupt, common.reported():
         target = output or Path("results") / f"{Path(scenario).stem}-{part}.csv"
-        if target.suffix not in {".csv", ".nc"}:
-            raise OutputError(f"{target}: recordings are written as .csv or .nc")
+        check_place(target, "recordings are written as .csv or .nc", [".csv", ".nc"])
         options = common.overrides(laws, kind, stop, step, tolerance)
-        library = common.library(fmus, native)
-        plan = with_recorded_ports(
-            load(scenario, common.assignments(set_), library, **options), part
-        )
-        prepare(target.with_suffix(".nc"))
+        changes, parts = common.assignments(set_), common.library(fmus, native, scenario)
+        with_recorded_ports(unloaded(scenario, changes, parts, **options), part)
+        plan = with_recorded_ports(load(scenario, changes, parts, **options), part)
         outcome = run(plan, interrupt=interrupt, estimate=False)
         written = write_port_recording(outcome, target)
         if not quiet:

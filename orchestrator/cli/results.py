@@ -9,18 +9,19 @@ import typer
 
 from ..errors import printable
 from . import common
+from .command_list import RESULTS
 
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("results")(results)
+    app.command("results", rich_help_panel=RESULTS)(results)
 
 
 def results(
     folder: Annotated[Path, typer.Argument(help="Folder of results.")] = common.RESULTS,
     json: common.Json = False,
 ) -> None:
-    """List the results in a folder, the newest first: runs, sweeps, partial ones.
+    """List the results in a folder, the newest first.
 
     Example: resilin results
     """

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from . import common
+from .command_list import RUNS
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Register the commands."""
-    app.command("run")(run)
-    app.command("recover")(recover)
+    app.command("run", rich_help_panel=RUNS)(run)
+    app.command("recover", rich_help_panel=RUNS)(recover)
 
 
 def run(
@@ -46,7 +47,7 @@ def run(
     ] = None,
     fmus: common.Library = common.BUILT,
     native: common.Native = None,
-    picture: Annotated[bool, typer.Option(help="Draw a PNG beside the result.")] = True,
+    picture: common.Picture = True,
     html: common.Html = None,
     json: common.Json = False,
     quiet: common.Quiet = False,
@@ -54,15 +55,22 @@ def run(
         bool, typer.Option("--verbose", help="Print calls, energies and messages too.")
     ] = False,
 ) -> None:
-    """Run a scenario; write its result, draw it, print its metrics.
+    """Run a scenario: its result, a picture and its metrics.
 
     A result of the same name but of other settings is kept, under a name with its digest.
 
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz"
     """
-    from ..report.page import prepare as prepare_page
+    from ..report.page import check_page
     from ..results.kept_aside import keep_other
-    from ..results.netcdf import partial_path, prepare, provenance, segments_for, write
+    from ..results.netcdf import (
+        check_target,
+        partial_path,
+        prepare,
+        provenance,
+        segments_for,
+        write,
+    )
     from ..simulation.accuracy import meaningless
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load
@@ -71,11 +79,12 @@ def run(
     with Interrupt() as interrupt, common.reported():
         target = common.result_path(scenario, output, name)
         options = common.overrides(laws, kind, stop, step, tolerance)
-        parts = common.library(fmus, native)
+        parts = common.library(fmus, native, scenario)
+        check_target(target)
+        if html is not None:
+            check_page(html)
         plan = load(scenario, common.assignments(set_), parts, **options)
         prepare(target)
-        if html is not None:
-            prepare_page(html)
         interrupt.check()
         if output is None:
             keep_other(target, provenance(plan))
@@ -104,7 +113,7 @@ def run(
 def recover(
     folder: Annotated[Path, typer.Argument(help="NAME.segments, as a killed run leaves it.")],
 ) -> None:
-    """Make a partial result of the rows that a killed run had written.
+    """Make a partial result of what a killed run had written.
 
     Example: resilin recover results/oscillator-1.segments
     """

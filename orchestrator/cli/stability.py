@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import common
+from .command_list import RUNS
 from .study_files import StudyFiles
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("stability")(stability)
+    app.command("stability", rich_help_panel=RUNS)(stability)
 
 
 def stability(
@@ -31,10 +32,8 @@ def stability(
         list[str] | None, typer.Option(help="One case of the list, by name; may repeat.")
     ] = None,
     method: common.MethodTexts = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes; as many as processors if not given.")
-    ] = None,
-    patience: Annotated[float, typer.Option(help="Seconds that one run may take.")] = 30.0,
+    workers: common.Workers = None,
+    patience: common.Patience = None,
     output: Annotated[
         Path | None, typer.Option(help="CSV; results/stability.csv if not given.")
     ] = None,
@@ -45,17 +44,17 @@ def stability(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run extreme cases by every master at 4 to 1024 steps in a cycle; class each run.
+    """Run extreme cases by every master; class each run.
 
-    A run is accurate, bounded but inaccurate with a warning, stopped with an error, or silently
-    wrong; a silently wrong one makes the exit code 1.
+    Each takes 4 to 1024 steps in a cycle. A run is accurate, bounded but inaccurate with a
+    warning, stopped with an error, or silently wrong; a silently wrong one makes the exit code 1.
 
     Example: resilin stability --case water --method gauss-seidel
     """
     from ..errors import InputError
     from ..scenario.files import as_base, scenario_path
     from ..simulation.interrupt import Interrupt
-    from ..studies.stability import Case, load_cases
+    from ..studies.stability import PATIENCE, Case, load_cases
     from ..studies.stability import stability as study_stability
     from ..studies.stability.cases import shipped
     from ..studies.stability.chart import draw, write
@@ -78,7 +77,7 @@ def stability(
             listed = load_cases(file, case)
         target = output or Path("results") / f"{'stability' if scenario is None else file.stem}.csv"
         files = StudyFiles(target, html)
-        files.prepare()
+        files.check()
         shown = common.shows_progress(quiet, json)
 
         def tell(done: int, total: int) -> None:
@@ -88,10 +87,10 @@ def stability(
         study = study_stability(
             listed,
             file,
-            common.library(fmus, native),
+            common.library(fmus, native, scenario or file),
             methods=common.methods(method),
             workers=workers,
-            patience=patience,
+            patience=PATIENCE if patience is None else patience,
             interrupt=interrupt,
             tell=tell,
         )

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, TypeVar
 
 import typer
 
-from ..errors import OutputError
-
 if TYPE_CHECKING:
     from ..report.page import Page
 
@@ -29,16 +27,15 @@ class StudyFiles:
         """Path of the plot."""
         return self.table.with_suffix(".svg")
 
-    def prepare(self) -> None:
-        """Make the folders, before anything runs; `OutputError` where files cannot be there."""
-        from ..report.page import prepare
+    def check(self) -> None:
+        """Refuse places where the files cannot be written, before anything runs."""
+        from ..report.files import check_place
+        from ..report.page import check_page
 
-        try:
-            self.table.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"{self.table.parent}: cannot be made ({error.strerror})") from None
+        for path in (self.table, self.plot):
+            check_place(path)
         if self.page is not None:
-            prepare(self.page)
+            check_page(self.page)
 
     def write(
         self,

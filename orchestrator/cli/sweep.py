@@ -9,11 +9,12 @@ from typing import Annotated
 import typer
 
 from . import common, completion
+from .command_list import RUNS
 
 
 def add_to(app: typer.Typer) -> None:
     """Register the command."""
-    app.command("sweep")(sweep)
+    app.command("sweep", rich_help_panel=RUNS)(sweep)
 
 
 def sweep(
@@ -35,13 +36,11 @@ def sweep(
     stop: common.Stop = None,
     step: common.Step = None,
     tolerance: common.Tolerance = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes here; as many as processors if not given.")
-    ] = None,
+    workers: common.Workers = None,
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a running dask scheduler, as tcp://host:8786.")
     ] = None,
-    patience: Annotated[float | None, typer.Option(help="Seconds that one point may take.")] = None,
+    patience: common.Patience = None,
     refine: Annotated[
         str | None, typer.Option(help='Metric whose peak gets more points, as "travel".')
     ] = None,
@@ -50,10 +49,10 @@ def sweep(
     json: common.Json = False,
     quiet: common.Quiet = False,
 ) -> None:
-    """Run a scenario at every point of a grid of start values; keep its metrics over the axes.
+    """Run a scenario at every point of a grid of start values.
 
-    A point that fails does not affect the others. A sweep that was stopped goes on where it was
-    when the same command is given again.
+    Its metrics are kept over the axes. A point that fails does not affect the others. A sweep that
+    was stopped goes on where it was when the same command is given again.
 
     Example: resilin sweep flapping-full-wings --over amplifier.frequency=10:26:1Hz
     """
@@ -65,7 +64,7 @@ def sweep(
         data = run_sweep(
             scenario,
             over,
-            common.library(fmus, native),
+            common.library(fmus, native, scenario),
             target,
             changes=common.assignments(set_),
             options=common.overrides(laws, kind, stop, step, tolerance),

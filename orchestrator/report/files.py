@@ -1,10 +1,11 @@
-"""Files that appear under their name whole, or not at all."""
+"""Files that appear under their name whole, or not at all; and whether they can appear there."""
 
 from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+import tempfile
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -12,6 +13,42 @@ from ..errors import OutputError
 
 FULL = 1 << 16
 """Bytes that are free on a disk that counts as full."""
+
+
+def check_place(path: Path, kind: str = "", endings: Collection[str] = ()) -> None:
+    """Raise `OutputError` where no file can be written to `path`; nothing is made there.
+
+    `kind` says what files of this kind are, as `pages are HTML files`, and `endings` what they end
+    with.
+    """
+    if endings and path.suffix.lower() not in endings:
+        raise OutputError(f"{path}: {kind}; name it {' or '.join(f'*{end}' for end in endings)}")
+    try:
+        if path.is_dir():
+            raise OutputError(f"{path}: is a folder; name a file")
+        folder = next(above for above in path.parents if above.exists())
+    except (OSError, ValueError) as error:
+        raise OutputError(_not_made(path, error)) from None
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        if folder == path.parent and folder.is_dir():
+            raise OutputError(f"{folder}: not writable ({error.strerror})") from None
+        raise OutputError(_not_made(path, error)) from None
+
+
+def _not_made(path: Path, error: Exception) -> str:
+    reason = getattr(error, "strerror", None) or error
+    return f"{path.parent}: cannot be made for {path} ({reason})"
+
+
+def make_folder(path: Path) -> None:
+    """Make the folder of a file."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise OutputError(_not_made(path, error)) from None
 
 
 @contextmanager

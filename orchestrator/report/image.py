@@ -8,11 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import printable
-from .files import written_whole
+from .files import check_place, written_whole
 from .plot import Axis, Figure, Plot
 
 STYLES = {"line": "-", "dashed": "--", "points": "None", "line-points": "-", "stated": "None"}
 MARKERS = "osd^v<>P"
+ENDINGS = (".png", ".svg", ".pdf")
+
+
+def check_plot(path: Path, kind: str = "plots are pictures") -> None:
+    """Check that a plot can be written to `path`, before any work is done for it."""
+    check_place(path, kind, ENDINGS)
 
 
 @contextmanager

@@ -17,9 +17,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ..errors import OutputError
 from .animation import Animation
-from .files import written_whole
+from .files import check_place, written_whole
 from .picture import Picture
 from .plot import Figure
 from .table import Table
@@ -93,16 +92,9 @@ def write(page: Page, path: Path) -> Path:
     return path
 
 
-def prepare(path: Path) -> None:
+def check_page(path: Path) -> None:
     """Check that a page can be written to `path`, before any work is done for it."""
-    if path.suffix.lower() not in {".html", ".htm"}:
-        raise OutputError(f"{path}: pages are HTML files; name it *.html")
-    if path.is_dir():
-        raise OutputError(f"{path}: is a folder; name a file")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path.parent}: cannot be made ({error.strerror})") from None
+    check_place(path, "pages are HTML files", [".html", ".htm"])
 
 
 def anchor(text: str) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import functools
 import json
 import re
-import tempfile
 import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, OutputError
-from ..report.files import written_whole
+from ..report.files import check_place, make_folder, written_whole
 from ..scenario.files import is_file
 from ..scenario.plan import Plan
 from .segments import Column, Segments, assemble, clear_of_nothing, folder_of, found, taken
@@ -159,28 +158,21 @@ def partial_path(path: Path) -> Path:
     return path.with_name(path.name.removesuffix(".nc") + ".partial.nc")
 
 
-def prepare(path: Path) -> None:
+def check_target(path: Path) -> None:
     """Check that a result can be written to `path`, before any work is done for it.
 
     Raises `OutputError` where it cannot, also where an earlier run has left segments there.
     """
-    if path.suffix != ".nc":
-        raise OutputError(f"{path}: results are netCDF files; name it *.nc")
-    try:
-        if path.is_dir():
-            raise OutputError(f"{path}: is a folder; name a file")
-        clear_of_nothing(folder_of(path))
-        if folder_of(path).exists():
-            raise taken(folder_of(path))
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise OutputError(f"{path.parent}: cannot be made for {path} ({reason})") from None
-    try:
-        with tempfile.TemporaryFile(dir=path.parent):
-            pass
-    except OSError as error:
-        raise OutputError(f"{path.parent}: not writable ({error.strerror})") from None
+    check_place(path, "results are netCDF files", [".nc"])
+    clear_of_nothing(folder_of(path))
+    if folder_of(path).exists():
+        raise taken(folder_of(path))
+
+
+def prepare(path: Path) -> None:
+    """The same, and make the folder of the result."""
+    check_target(path)
+    make_folder(path)
 
 
 def write(outcome: Outcome, path: Path) -> Path:

@@ -12,7 +12,8 @@ from ..results.outcome import Outcome
 from ..scenario.plan import Plan
 from ..scenario.time_grid import Grid
 from .interrupt import Interrupted
-from .linear.step_map import MAPPED, SLACK, quiet, step_map
+from .linear.drive import quiet
+from .linear.step_map import MAPPED, SLACK, step_map
 from .run import run
 
 TARGET = 1e-3

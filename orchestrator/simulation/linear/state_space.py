@@ -13,17 +13,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, SimulationError
+from ...scenario.patterns import matching
 from ...scenario.plan import Plan
 from ..coupled_instance import CoupledInstance
 from ..masters import master_class
 from ..stepper import Stepper
 from ..system import System
+from .drive import driving
 from .realisation import Hankel, held_response
 from .realisation import System as Triple
 
@@ -123,26 +125,24 @@ def linearise(
 ) -> Linear:
     """Linear system of a scenario about its state of rest, by its own master and step.
 
-    `inputs` are held inputs, by default all real ones; `outputs` recorded variables, by default
-    all that answer smoothly. The order is that with the widest gap in the singular values whose
-    system meets a second record. With `interval` [s], a whole number of communication steps, the
-    system is sampled at that interval and steps end at announced events: an interval of one
-    cycle gives the averaged model of a driven system about its periodic state, for which the
-    outputs alone are looked at. `count` is the number of Markov parameters, `nudge` the size of a
-    nudge by that of its input or 1. Raises `InputError` where an instance cannot roll back, where a
-    name is not known, where the scenario does not come to rest, where an output that is asked for
-    does not answer, where the interval is not a whole number of steps, and where no linear system
-    meets the records.
+    `inputs` are held inputs, by default all real ones; `outputs` recorded variables, by default all
+    that answer smoothly; both may be patterns. The order is that with the widest gap in the
+    singular values whose system meets a second record. With `interval` [s], a whole number of
+    communication steps, the system is sampled at that interval and steps end at announced events:
+    an interval of one cycle gives the averaged model of a driven system about its periodic state,
+    for which the outputs alone are looked at. `count` is the number of Markov parameters, `nudge`
+    the size of a nudge by that of its input or 1. Raises `InputError` where an instance cannot roll
+    back, where a name is not known, where the scenario does not come to rest, where an output that
+    is asked for does not answer, where the interval is not a whole number of steps, and where no
+    linear system meets the records.
     """
     every = _steps_in(interval, plan)
-    unable = [name for name, known in plan.interfaces.items() if not known.rollback]
-    if unable:
-        raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
+    nudged, wanted = signals(plan, inputs, outputs, driven=every > 1)
     with System(endless(plan)) as system:
         master = master_class(plan.scenario.master.kind)(system, plan.scenario.master)
         stepper = Stepper(system, master)
-        held = _held(system, inputs)
-        shown = _columns(system, outputs)
+        held = _held(system, nudged)
+        shown = _columns(system, wanted)
         time, _ = rest(system, stepper, every, shown if every > 1 else None)
         probe = _Probe(system, stepper, time, held, shown, every, nudge)
         sequence, direct, even = probe.impulses(count)
@@ -163,6 +163,27 @@ def linearise(
         *found, direct, step, list(held), [system.names[k] for k in columns], resting[kept], units,
         floor, left_out, matched,
     )  # fmt: skip
+
+
+def signals(
+    plan: Plan, inputs: Sequence[str] | None, outputs: Sequence[str] | None, *, driven: bool
+) -> tuple[list[str], list[str]]:
+    """Inputs to nudge, and the outputs that are wanted; none where none is named.
+
+    Raises `InputError` with what is known before an FMU is loaded: a name that is not there, an
+    instance that cannot roll back, a drive that is on where it must not be `driven`.
+    """
+    unable = [name for name, known in plan.interfaces.items() if not known.rollback]
+    if unable:
+        raise InputError(f"{plan.path}: {', '.join(unable)} cannot roll back: not linearised")
+    nudged = _inputs(plan, inputs)
+    wanted = matching(outputs or [], plan.record_names, "--variable", "is not recorded")
+    if not driven and (drive := driving(plan)):
+        raise InputError(
+            f"{plan.path}: not linearised: a drive is on, so that nothing comes to rest; switch it"
+            f' off by --set {drive}=0, or look at it once a cycle: --interval "1 cycle"'
+        )
+    return nudged, wanted
 
 
 def _steps_in(interval: float | None, plan: Plan) -> int:
@@ -227,22 +248,27 @@ def rest(
     )
 
 
-def _held(system: System, wanted: Sequence[str] | None) -> dict[str, tuple[Any, int]]:
-    """Held real inputs by name: the coupled instance and the place in its buffer."""
+def _inputs(plan: Plan, wanted: Sequence[str] | None) -> list[str]:
+    """Held real inputs, all or those that are wanted."""
+    real = [
+        f"{component}.{name}"
+        for component in plan.order
+        for name, known in plan.interfaces[component].variables.items()
+        if known.real and f"{component}.{name}" in plan.held
+    ]
+    if not real:
+        raise InputError(f"{plan.path}: hold: no real input is held, so that none can be nudged")
+    return matching(wanted, real, "--input", "is not held") if wanted else real
+
+
+def _held(system: System, wanted: Sequence[str]) -> dict[str, tuple[CoupledInstance, int]]:
+    """Held inputs by name: the coupled instance and the place in its buffer."""
     found = {
         f"{coupled.instance.name}.{name}": (coupled, place)
         for coupled in system.instances
         for name, place in coupled.held.items()
-        if coupled.instance.interface.variables[name].real
     }
-    if not found:
-        raise InputError(
-            f"{system.plan.path}: hold: no real input is held, so that none can be nudged"
-        )
-    for name in wanted or []:
-        if name not in found:
-            raise InputError(f"--input {name}: is not held; there is {', '.join(found)}")
-    return {name: found[name] for name in wanted} if wanted else found
+    return {name: found[name] for name in wanted}
 
 
 def _input_units(held: dict[str, tuple[CoupledInstance, int]]) -> dict[str, str]:
@@ -252,19 +278,15 @@ def _input_units(held: dict[str, tuple[CoupledInstance, int]]) -> dict[str, str]
     }
 
 
-def _columns(system: System, wanted: Sequence[str] | None) -> list[int]:
-    """Places of the recorded variables that are shown; by default times and energies are not."""
-    recorded = system.plan.record_names
-    for name in wanted or []:
-        if name not in recorded:
-            raise InputError(f"--output {name}: is not recorded; there is {', '.join(recorded)}")
+def _columns(system: System, wanted: Sequence[str]) -> list[int]:
+    """Places of the variables that are shown; by default times and energies are not."""
     if wanted:
         return [system.names.index(name) for name in wanted]
-    shown = set(recorded)
+    recorded = set(system.plan.record_names)
     return [
         k
         for k, name in enumerate(system.names)
-        if name in shown and system.variables[k].unit not in {"s", "J"}
+        if name in recorded and system.variables[k].unit not in {"s", "J"}
     ]
 
 
@@ -382,5 +404,5 @@ def _matching(
         best = min(best, error)
     raise InputError(
         f"{plan.path}: not linearised: no linear system meets a second record better than to"
-        f" {best:.1%}; choose outputs by --output, or another state of rest"
+        f" {best:.1%}; choose outputs by --variable, or another state of rest"
     )

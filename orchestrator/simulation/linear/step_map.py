@@ -7,7 +7,7 @@ anything is run, whether the coupling is stable at this step.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -182,16 +182,6 @@ def step_map(plan: Plan, step: float | None = None, *, count: int = COUNT) -> St
         names = [system.names[k] for k in shown]
         followers = [coupled.instance.name for coupled in system.followers]
     return StepMap(plan, size, models, names, followers)
-
-
-def quiet(plan: Plan) -> Plan:
-    """The same scenario with its drive off: `amplitude` zero where there is a `frequency` too."""
-    starts = {name: dict(values) for name, values in plan.starts.items()}
-    for name, known in plan.interfaces.items():
-        parameters = {v.name for v in known.of("parameter")}
-        if {"amplitude", "frequency"} <= parameters:
-            starts[name]["amplitude"] = 0.0
-    return replace(plan, starts=starts, actions=[], faults=[])
 
 
 def _model(

@@ -198,7 +198,8 @@ def _pairs(
     for pattern in asked.outputs:
         if found and not any(_named(name, prefix, pattern) for name in found):
             raise InputError(
-                f"--output {printable(pattern)}: no such recorded output; {nearest(pattern, found)}"
+                f"--variable {printable(pattern)}: no such recorded output;"
+                f" {nearest(pattern, found)}"
             )
     wanted = [
         name

@@ -7,11 +7,23 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ...errors import InputError, OutputError, ScenarioError
-from ...report.files import written_whole
+from ...report.files import check_place, written_whole
 from ...scenario.files import as_base
 from ...scenario.library import LIBRARY
 from ...simulation.load import unloaded
 from .study import Study
+
+
+def setting_path(scenario: str, target: float) -> Path:
+    """The file in the current folder, named after the scenario and the target."""
+    return Path(f"{Path(scenario).stem}-{target:g}.toml")
+
+
+def check_setting(path: Path) -> None:
+    """Refuse to write over a scenario, before any work is done for it."""
+    if path.exists():
+        raise OutputError(f"{path}: is there already; move it away")
+    check_place(path)
 
 
 def write_setting(
@@ -25,18 +37,17 @@ def write_setting(
 ) -> Path:
     """Write a scenario with the cheapest setting whose error is within a target; its path.
 
-    It stands in the current folder, named after the scenario and the target, and has the `changes`
-    and the `stop` that were studied. Raises `InputError` where no setting reaches the target, and
-    `OutputError` where there is such a file already.
+    It stands at :func:`setting_path`, and has the `changes` and the `stop` that were studied.
+    Raises `InputError` where no setting reaches the target, and `OutputError` where there is such a
+    file already.
     """
-    path = Path(f"{Path(scenario).stem}-{target:g}.toml")
+    path = setting_path(scenario, target)
     best = study.cheapest(target)
     if best is None:
         errors = [study.error(r) for r in study.runs if r.status == "done"]
         least = f"the least error is {min(errors):.1e}" if errors else "none of them runs"
         raise InputError(f"--use {target:g}: no setting reaches it; {least}")
-    if path.exists():
-        raise OutputError(f"{path}: is there already; move it away")
+    check_setting(path)
     lines = [
         f"# {best.method}: error {study.error(best):.1e} against {study.reference}",
         f"extends = {json.dumps(as_base(scenario))}",

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import ResilinError
 from ...scenario.library import LIBRARY
+from ...scenario.patterns import matching
 from ...scenario.plan import Plan
 from ...simulation.guarded.kept import kept_between_runs
 from ...simulation.interrupt import Interrupt, Interrupted
@@ -104,9 +105,10 @@ def precision(
     given = dict(options or {})
     plan = load(scenario, changes, library, **given)
     chosen = named or methods_for(plan)
+    counting = matching(variables or [], plan.record_names, "--variable", "is not recorded")
     others = [load(other, None, library, **given) for other in also]
     solution = reference_solution(plan, library, reference, min(factors), interrupt)
-    shown = leading(plan, solution.exact, variables)
+    shown = leading(plan, solution.exact, counting)
     runs: list[MeasuredRun] = []
     bench = _Bench(solution, shown, repeats, interrupt, runs, tell or (lambda measured: None))
     steps = [factor * plan.grid.step for factor in sorted(factors, reverse=True)]

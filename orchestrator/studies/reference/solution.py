@@ -10,8 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, ScenarioError, SimulationError, nearest
+from ...errors import ScenarioError, SimulationError
 from ...results.outcome import Outcome
+from ...scenario.patterns import matching
 from ...scenario.plan import Plan
 from ...simulation.interrupt import Interrupt
 from ...simulation.run import replay, run
@@ -158,9 +159,5 @@ def _whole(outcome: Outcome) -> Outcome:
 def leading(plan: Plan, exact: Outcome, variables: Iterable[str] | None = None) -> list[str]:
     """Variables whose errors count: those named, else the leading ones of the scenario."""
     if variables:
-        for name in variables:
-            if name not in exact.names:
-                hint = nearest(name, exact.names)
-                raise InputError(f"--variable {name!r}: is not recorded; {hint}")
-        return list(variables)
+        return matching([*variables], exact.names, "--variable", "is not recorded")
     return plan.leading

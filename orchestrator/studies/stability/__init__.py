@@ -2,6 +2,6 @@
 
 from .cases import Case, load_cases
 from .classification import CLASSES, Trial
-from .study import Study, stability
+from .study import PATIENCE, Study, stability
 
-__all__ = ["CLASSES", "Case", "Study", "Trial", "load_cases", "stability"]
+__all__ = ["CLASSES", "PATIENCE", "Case", "Study", "Trial", "load_cases", "stability"]

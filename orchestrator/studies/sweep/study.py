@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...errors import InputError, OutputError, SimulationError, nearest, printable
 from ...scenario.files import scenario_names, scenario_path
-from ...scenario.library import LIBRARY
+from ...scenario.library import LIBRARY, located
 from ...simulation.interrupt import Interrupt, Interrupted
 from ..workers.in_process import InProcess
 from ..workers.pool import Answer, Failed, WorkerPool
@@ -74,9 +74,10 @@ def sweep(
     all problems before anything runs.
     """
     from ...results.kept_aside import keep_other
-    from ...results.netcdf import prepare
+    from ...results.netcdf import check_target, prepare
     from .dataset import described
 
+    check_target(target)
     common = dict(changes or {})
     parsed = [parse_axis(axis) if isinstance(axis, str) else axis for axis in axes]
     check_axes(parsed, common)
@@ -84,7 +85,9 @@ def sweep(
     if refine is not None:
         _check_line(parsed)
     check: Check = interrupt.check if interrupt is not None else _nothing
-    setting = Setting(_place_of(scenario), str(library.absolute()), common, dict(options or {}))
+    place = _place_of(scenario)
+    parts = str(located(library, Path(place)).absolute())
+    setting = Setting(place, parts, common, dict(options or {}))
     grid = planned(setting, parsed, check)
     if refine is not None and not grid.coordinates[0].numeric:
         raise InputError(f"refine: {parsed[0].name} takes texts, and there is nothing between them")

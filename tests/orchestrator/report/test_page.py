@@ -21,8 +21,8 @@ from orchestrator.report.page import (
     Section,
     Words,
     anchor,
+    check_page,
     embedded,
-    prepare,
     rendered,
     write,
 )
@@ -153,13 +153,13 @@ def test_a_figure_is_a_file_too(tmp_path: Path) -> None:
 
 def test_a_path_that_cannot_take_a_page_is_refused_first(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"name it \*\.html"):
-        prepare(tmp_path / "page.txt")
+        check_page(tmp_path / "page.txt")
     (tmp_path / "folder.html").mkdir()
     with pytest.raises(OutputError, match="is a folder"):
-        prepare(tmp_path / "folder.html")
+        check_page(tmp_path / "folder.html")
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="cannot be made"):
-        prepare(tmp_path / "file" / "page.html")
+        check_page(tmp_path / "file" / "page.html")
     with pytest.raises(OutputError, match="cannot be written"):
         write(page("word"), tmp_path / "folder.html")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "folder.html"]

@@ -108,6 +108,6 @@ def test_what_only_describes_a_scenario_loads_no_fmu(
     assert json.loads(shown.stdout)["time"]["step"] == "auto"
     written = runner.invoke(app, ["inspect", "own.toml", "--fmus", str(library)])
     assert "a run chooses" in written.stdout
-    made = runner.invoke(app, ["export", "own.toml", "--fmus", str(library), "--to", "own.ssp"])
+    made = runner.invoke(app, ["export", "own.toml", "--fmus", str(library), "--output", "own.ssp"])
     assert (made.exit_code, 'step = "auto"' in made.stdout) == (0, True)
     assert load_scenario("own.ssp")[0].time.step == "auto"

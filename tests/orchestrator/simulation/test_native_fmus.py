@@ -44,17 +44,21 @@ def invoke(*arguments: str) -> tuple[int, str]:
 
 def test_the_option(native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("orchestrator.scenario.library.CHECKOUT", tmp_path)
     Path("build").mkdir()
-    scenario = ("flapping-full-wings", "--native", "--stop", "1 cycles")
+    Path("mine.toml").write_text('extends = "flapping-full-wings"\n')
+    scenario = ("mine.toml", "--native", "--stop", "1 cycles")
     code, output = invoke("run", *scenario)
     assert code == 2
     assert "resilin build --native" in output.replace("\n", " ")
     Path("build/native").symlink_to(native)
     code, output = invoke("run", *scenario, "--no-picture")
     assert (code, "stroke" in output) == (0, True)
-    code, output = invoke("run", *scenario, "--fmus", "elsewhere")
+    code, output = invoke("run", *scenario, "--no-picture", "--fmus", str(tmp_path / "build"))
+    assert code == 0, output
+    code, output = invoke("run", *scenario, "--fmus", "build/native")
     assert code == 2
-    assert "give one" in output
+    assert "--native: build/native has no folder native" in output
     code, output = invoke(
         "sweep", *scenario, "--over", "amplifier.frequency=16,18", "--workers", "1", "--quiet"
     )

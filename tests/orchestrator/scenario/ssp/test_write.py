@@ -105,7 +105,7 @@ def test_an_exported_scenario_runs_to_the_same_bits(
     native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scenario: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    exported(native, scenario, "--to", "a.ssp", "--stop", "10 cycles")
+    exported(native, scenario, "--output", "a.ssp", "--stop", "10 cycles")
     one = run(load(scenario, None, native, time={"stop": "10 cycles"}))
     other = run(load("a.ssp"))
     assert sorted(one.names) == sorted(other.names)
@@ -119,8 +119,8 @@ def test_choices_are_built_in_and_further_sets_go_along(
     """Other tools do not read enumerations from SSP: the part starts with its choice instead."""
     monkeypatch.chdir(tmp_path)
     printed = exported(
-        native, "oscillator-1", "--also", "heavy:payload.mass=2 g", "--also",
-        "heavy:spring.damping=0.1 N*s/m", "--also", "slow:amplifier.frequency=20 Hz",
+        native, "oscillator-1", "--parameter-set", "heavy:payload.mass=2 g", "--parameter-set",
+        "heavy:spring.damping=0.1 N*s/m", "--parameter-set", "slow:amplifier.frequency=20 Hz",
     )  # fmt: skip
     assert "3 components" in printed
     with zipfile.ZipFile("oscillator-1.ssp") as archive:
@@ -145,7 +145,7 @@ def test_a_recording_goes_along_as_an_fmu(
         'extends = "oscillator-1"\n[time]\nstop = "4 cycles"\n[components.amplifier]\n'
         'data = "amp.csv"\n'
     )
-    exported(native, "r.toml", "--to", "r.ssp")
+    exported(native, "r.toml", "--output", "r.ssp")
     one, other = run(load("r.toml", None, native)), run(load("r.ssp"))
     name = "payload.displacement"
     assert other.series(name) == pytest.approx(one.series(name), abs=1e-12)
@@ -209,16 +209,16 @@ def test_another_tool_finds_no_fault_with_the_connections(native: Path, tmp_path
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("oscillator-1", "--to", "a.zip"), "are called *.ssp"),
+        (("oscillator-1", "--output", "a.zip"), "name it *.ssp"),
         (("oscillator-1", "--ssp", "3.0"), "3.0: is not written"),
         (("oscilator-1",), "did you mean 'oscillator-1'"),
-        (("oscillator-1", "--also", "heavy"), "write NAME:component.parameter=value"),
-        (("oscillator-1", "--also", "a b:payload.mass=1"), "write NAME:component"),
-        (("oscillator-1", "--also", "parameters:payload.mass=1"), "write NAME:component"),
-        (("oscillator-1", "--also", "heavy:payload.mas=1"), "did you mean 'mass'"),
-        (("oscillator-1", "--also", "heavy:payload.mass=1 m"), "quantity in kg"),
+        (("oscillator-1", "--parameter-set", "heavy"), "write NAME:component.parameter=value"),
+        (("oscillator-1", "--parameter-set", "a b:payload.mass=1"), "write NAME:component"),
+        (("oscillator-1", "--parameter-set", "parameters:payload.mass=1"), "write NAME:component"),
+        (("oscillator-1", "--parameter-set", "heavy:payload.mas=1"), "did you mean 'mass'"),
+        (("oscillator-1", "--parameter-set", "heavy:payload.mass=1 m"), "quantity in kg"),
         (("oscillator-1", "--set", "payload.mas=1"), "did you mean 'mass'"),
-        (("oscillator-1", "--to", "file/a.ssp"), "cannot be written"),
+        (("oscillator-1", "--output", "file/a.ssp"), "cannot be made"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(

@@ -15,10 +15,11 @@ from typer.testing import CliRunner
 from orchestrator.cli import app
 from orchestrator.errors import InputError
 from orchestrator.scenario.plan import Plan
+from orchestrator.simulation.linear.drive import driving
 from orchestrator.simulation.linear.realisation import realise
 from orchestrator.simulation.linear.state_space import linearise
 from orchestrator.simulation.linear.step_map import MAPPED, limit, step_map
-from orchestrator.simulation.load import load
+from orchestrator.simulation.load import load, unloaded
 from orchestrator.simulation.run import run
 from tests.evals.two_masses import scenarios
 from tests.foreign.build import foreign
@@ -245,8 +246,9 @@ def test_an_unstable_wire_is_named(library: Path, tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_linearised_is_refused(library: Path, tmp_path: Path) -> None:
+    undamped = {"amplifier.amplitude": "0", "spring.loss_factor": "0"}
     with pytest.raises(InputError, match="does not come to rest"):
-        linearise(load("oscillator-1", {"amplifier.amplitude": "1 V"}, library))
+        linearise(load("oscillator-1", undamped | {"payload.start_velocity": "1 m/s"}, library))
     with pytest.raises(InputError, match="is not held; there is"):
         linearise(still(library), ["spring.top.voltage"])
     path = scenarios(tmp_path, rollback=False) / "numbers.toml"
@@ -256,10 +258,28 @@ def test_what_cannot_be_linearised_is_refused(library: Path, tmp_path: Path) -> 
         step_map(still(library)).radius("iterative")
 
 
+@pytest.mark.parametrize(
+    ("scenario", "changes", "parameter"),
+    [
+        ("oscillator-1", {"amplifier.amplitude": "1 V"}, "amplifier.amplitude"),
+        ("flapping-controlled", {}, "controller.largest_voltage"),
+        ("oscillator-1", {"amplifier.amplitude": "0 V"}, ""),
+        ("oscillator-1", {"amplifier.frequency": "0 Hz"}, ""),
+        ("oscillator-1", {"amplifier.waveform": "constant"}, ""),
+        ("flapping-controlled", {"controller.largest_voltage": "0 V"}, ""),
+    ],
+)
+def test_a_drive_that_is_on_is_known_from_the_start_values(
+    library: Path, scenario: str, changes: dict[str, str], parameter: str
+) -> None:
+    time = {"frequency": "50 Hz"}
+    assert driving(unloaded(scenario, changes, library, time=time)) == parameter
+
+
 def test_the_commands(library: Path, tmp_path: Path) -> None:
     options = ["--fmus", str(library), "--set", "amplifier.waveform=external"]
-    held = ["--hold", "amplifier.command.top=1 kV", "--bode", str(tmp_path / "b.svg")]
-    named = ["--input", COMMAND, "--output", "payload.displacement"]
+    held = ["--hold", "amplifier.command.top=1 kV", "--output", str(tmp_path / "b.svg")]
+    named = ["--input", COMMAND, "--variable", "payload.displacement"]
     done = runner.invoke(app, ["linearise", "oscillator-1", *options, *held, *named])
     assert done.exit_code == 0, done.output
     assert "51.6" in done.output
@@ -305,7 +325,7 @@ def test_a_driven_system_seen_once_a_cycle(native: Path, tmp_path: Path) -> None
         [
             "linearise", "flapping-controlled", "--json", "--interval", "1 cycle",
             "--step", "200 per cycle", "--fmus", str(native),
-            "--input", "controller.excitation.drive", "--output", "controller.stroke",
+            "--input", "controller.excitation.drive", "--variable", "controller.stroke",
             *(text for name in ("lag_integral_gain", "stroke_gain", "stroke_integral_gain")
               for text in ("--set", f"controller.{name}=0")),
             "--set", "controller.start_frequency=18 Hz", "--set", "controller.start_phase=1",

@@ -137,7 +137,7 @@ def test_what_the_scenes_do_not_have_is_told(
 
 
 def test_the_command(native: Path, tmp_path: Path) -> None:
-    options = ["--file", str(written(tmp_path)), "--fmus", str(native), "--no-refit", "--json"]
+    options = ["--fits", str(written(tmp_path)), "--fmus", str(native), "--no-refit", "--json"]
     done = runner.invoke(app, ["calibrate", "static", *options])
     assert done.exit_code == 0, done.output
     assert json.loads(done.stdout)[0]["fit"] == "static"
@@ -179,7 +179,7 @@ def test_a_profile_where_there_is_none_is_told(native: Path, tmp_path: Path) -> 
 
 
 def test_the_command_for_a_profile(native: Path, tmp_path: Path) -> None:
-    options = ["--file", str(with_profile(tmp_path)), "--fmus", str(native), "--profile"]
+    options = ["--fits", str(with_profile(tmp_path)), "--fmus", str(native), "--profile"]
     done = runner.invoke(app, ["calibrate", "static", *options, "--json"])
     assert done.exit_code == 0, done.output
     assert json.loads(done.stdout)[0]["profile"] == "share of the stiffness"

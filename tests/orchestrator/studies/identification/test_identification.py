@@ -235,7 +235,7 @@ def test_the_command(
     monkeypatch.chdir(tmp_path)
     code, output, _ = called(
         native, str(oscillation), "--scenario", "oscillator-1", "--part", "spring", "--part",
-        "payload", "--parameters", "payload.mass,spring.loss_factor=0.1:0.5", "--set",
+        "payload", "--parameter", "payload.mass,spring.loss_factor=0.1:0.5", "--set",
         "payload.mass=0.7 g", "--html", "fit.html", "--json",
     )  # fmt: skip
     assert code == 0
@@ -245,42 +245,42 @@ def test_the_command(
     assert Path("results/clean-fit.png").stat().st_size > 10_000
     assert "payload.motion.displacement" in Path("fit.html").read_text()
     code, output, _ = called(
-        native, str(pushed(tmp_path / "bench.csv", 1e-6)), "--part", "payload", "--parameters",
-        "mass", "--picture", "fit.svg",
+        native, str(pushed(tmp_path / "bench.csv", 1e-6)), "--part", "payload", "--parameter",
+        "mass", "--output", "fit.svg",
     )  # fmt: skip
     assert code == 0
     assert "payload.mass" in output
     assert "0.0006" in output
 
 
-BENCH = ("bench.csv", "--part", "payload", "--parameters", "mass")
-SCENARIO = ("--scenario", "oscillator-1", "--part", "payload", "--parameters", "mass")
+BENCH = ("bench.csv", "--part", "payload", "--parameter", "mass")
+SCENARIO = ("--scenario", "oscillator-1", "--part", "payload", "--parameter", "mass")
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("nothing.csv", *BENCH[1:]), "no such recording"),
-        (("bench.csv", "--part", "payload", "--parameters", "mas"), "did you mean 'mass'"),
-        (("bench.csv", "--part", "paylod", "--parameters", "mass"), "did you mean 'payload'"),
-        (("bench.csv", "--part", "no.fmu", "--parameters", "mass"), "no such file"),
-        (("bench.csv", "--part", "payload", "--parameters", ""), "no real parameter"),
-        (("bench.csv", "--part", "payload", "--parameters", "mass,mass"), "named twice"),
-        (("bench.csv", "--part", "payload", "--parameters", "spring.mass"), "no real parameter"),
-        (("bench.csv", "--part", "payload", "--parameters", "mass=1 g"), "low:high"),
-        (("bench.csv", "--part", "payload", "--parameters", "mass=2 g:1 g"), "is not a range"),
-        (("bench.csv", "--part", "payload", "--parameters", "mass=-2 g:1 g"), "is outside"),
-        (("bench.csv", "--part", "payload", "--parameters", "mass=1 m:2 m"), "quantity in kg"),
-        (("bench.csv", "--part", "payload", "--parameters", "mass=1 g:2 g"), "starts at"),
-        (("bench.csv", "--part", "payload", "--parameters", "start_velocity"), "give bounds"),
-        (("bench.csv", "--part", "aero", "--parameters", "air_density"), "no column of an input"),
+        (("bench.csv", "--part", "payload", "--parameter", "mas"), "did you mean 'mass'"),
+        (("bench.csv", "--part", "paylod", "--parameter", "mass"), "did you mean 'payload'"),
+        (("bench.csv", "--part", "no.fmu", "--parameter", "mass"), "no such file"),
+        (("bench.csv", "--part", "payload", "--parameter", ""), "no real parameter"),
+        (("bench.csv", "--part", "payload", "--parameter", "mass,mass"), "named twice"),
+        (("bench.csv", "--part", "payload", "--parameter", "spring.mass"), "no real parameter"),
+        (("bench.csv", "--part", "payload", "--parameter", "mass=1 g"), "low:high"),
+        (("bench.csv", "--part", "payload", "--parameter", "mass=2 g:1 g"), "is not a range"),
+        (("bench.csv", "--part", "payload", "--parameter", "mass=-2 g:1 g"), "is outside"),
+        (("bench.csv", "--part", "payload", "--parameter", "mass=1 m:2 m"), "quantity in kg"),
+        (("bench.csv", "--part", "payload", "--parameter", "mass=1 g:2 g"), "starts at"),
+        (("bench.csv", "--part", "payload", "--parameter", "start_velocity"), "give bounds"),
+        (("bench.csv", "--part", "aero", "--parameter", "air_density"), "no column of an input"),
         (
-            ("bench.csv", "--part", "payload", "--part", "spring", "--parameters", "mass"),
+            ("bench.csv", "--part", "payload", "--part", "spring", "--parameter", "mass"),
             "--scenario",
         ),
         (("two.csv", *BENCH[1:]), "too few to fit"),
         (("inputs.csv", *BENCH[1:]), "no column of an output"),
-        ((*BENCH, "--output", "flap_angle"), "no such recorded output"),
+        ((*BENCH, "--variable", "flap_angle"), "no such recorded output"),
         ((*BENCH, "--with", "repaet=true"), "repaet: unknown key"),
         ((*BENCH, "--with", "cubic"), "write key=value"),
         ((*BENCH, "--hold", "force.valu=1 N"), "no input 'force.valu'"),
@@ -290,7 +290,7 @@ SCENARIO = ("--scenario", "oscillator-1", "--part", "payload", "--parameters", "
         ((*BENCH, "--skip", "-1 s"), "not below"),
         ((*BENCH, "--skip", "10 s"), "do not determine"),
         ((*BENCH, "--level", "1.5"), "between 0 and 1"),
-        ((*BENCH, "--picture", "fit.doc"), "are .png"),
+        ((*BENCH, "--output", "fit.doc"), "name it *.png"),
         ((*BENCH, "--html", "fit.txt"), "pages are HTML"),
         (("bench.csv", *SCENARIO), "has no column of spring.force"),
         (("bench.csv", "--scenario", "oscilator-1", *SCENARIO[2:]), "did you mean 'oscillator-1'"),
