@@ -69,6 +69,8 @@ def build(
     part = load_part(name)
     starts = changed_starts(part, changes or {})
     files: dict[str, bytes] = {}
+    if data is not None and part.name == "table":
+        files, data = tabulated_files(data), None
     if recording is not None:
         starts = recorded_starts(part, recording) | starts
         files = recorded_files(recording)
@@ -275,6 +277,29 @@ def recorded_files(recording: Any) -> dict[str, bytes]:
         return files(record)
     except ValueError as error:
         raise BuildError(f"{recording.interface.path}: {error}") from None
+
+
+def tabulated_files(path: Path) -> dict[str, bytes]:
+    """Sources of a table that are made from a file of points, in SI."""
+    import numpy as np
+
+    from fmus.table.generate import Column, files, relation
+    from orchestrator.errors import RecordingError
+    from orchestrator.recording.columns import Choice
+    from orchestrator.recording.read import read_table
+
+    try:
+        table = read_table(path, Choice(interval=1.0))
+    except RecordingError as error:
+        raise BuildError(str(error)) from None
+    columns = table.columns[1:]
+    units = [_in_si(column.unit) for column in columns]
+    named = [Column(c.name, unit) for c, (unit, _) in zip(columns, units, strict=True)]
+    rows = table.values * np.array([scale for _, scale in units])
+    try:
+        return files(relation(named, rows))
+    except ValueError as error:
+        raise BuildError(f"{path}: {error}") from None
 
 
 def _in_si(unit: str) -> tuple[str, float]:

@@ -73,15 +73,22 @@ def drag_at(quadratic_drag: float, slope: float, reference_rate: float, flap_rat
 
 
 def torque_at(
-    torque: float, quadratic_drag: float, slope: float, reference_rate: float, flap_rate: float
+    torque: float,
+    damping: float,
+    quadratic_drag: float,
+    slope: float,
+    reference_rate: float,
+    flap_rate: float,
 ) -> float:
     """Velocity-dependent torque of a `load` port [N m].
 
-    torque + D(w) - D(w0), D the drag law of :func:`drag_at`. Without coefficients it is
-    the plain torque. The added inertia of the port comes on top, in the receiver.
+    torque - damping (w - w0) + D(w) - D(w0), D the drag law of :func:`drag_at`. Without
+    coefficients it is the plain torque. The added inertia of the port comes on top, in the
+    receiver.
     """
     return (
         torque
+        - damping * (flap_rate - reference_rate)
         + drag_at(quadratic_drag, slope, reference_rate, flap_rate)
         - drag_at(quadratic_drag, slope, reference_rate, reference_rate)
     )

@@ -69,9 +69,11 @@ def parameter(
     return dataclasses.field(default=start, metadata={"quantity": quantity})
 
 
-def received(start: float, unit: str, meaning: str, *, port: str = "", order: int = 0) -> Any:
+def received(
+    start: float, unit: str, meaning: str, *, port: str = "", order: int = 0, name: str = ""
+) -> Any:
     """Field of `Input`; `start` holds where nothing is connected."""
-    quantity = Quantity(unit, meaning, port=port, order=order)
+    quantity = Quantity(unit, meaning, port=port, order=order, name=name)
     return dataclasses.field(default=start, metadata={"quantity": quantity})
 
 

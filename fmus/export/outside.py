@@ -12,6 +12,8 @@ import fmus
 
 from .sources import SOURCES, BuildError
 
+C_FILES = ("dual", "fmi2", "fmi3", "instance", "semantics", "words")
+
 
 def is_folder(text: str) -> bool:
     """Whether a text names a folder of one's own, and not a part of the package."""
@@ -22,6 +24,8 @@ def forbidden(name: str) -> str:
     """Why a part of one's own cannot have this name; empty where it can."""
     if (SOURCES / name / "slave.py").is_file():
         return "is the name of a part of the package"
+    if name in C_FILES:
+        return "is the name of a C file that every compiled FMU has"
     if (SOURCES / name).exists() or (SOURCES / f"{name}.py").exists():
         return "is a module of the package"
     return ""

@@ -118,6 +118,7 @@ class Input(ForceInput):
     load_added_inertia: float = received(
         0.0, "kg.m2", "Inertia of the air moved by both wings", port="load"
     )
+    load_damping: float = received(0.0, "N.m.s", "-dT/dw", port="load", order=1)
     load_quadratic_drag: float = received(
         0.0, "N.m.s2", "c in the drag torque -c w |w|", port="load", order=1
     )
@@ -310,6 +311,7 @@ def flow(
     )
     torque = torque_at(
         u.load_torque,
+        u.load_damping,
         u.load_quadratic_drag,
         u.load_quadratic_drag_slope,
         u.load_reference_rate,
@@ -364,7 +366,8 @@ def largest_substep(
     """Substep [s] that resolves stiffness, damping, friction and, near a stop, the contact."""
     inertia = p.wing_inertia + max(0.0, u.load_added_inertia)
     mass = p.slider_mass + inertia * slope * slope
-    drag = 2.0 * math.fabs(u.load_quadratic_drag * slope * velocity) * slope * slope
+    drag = 2.0 * math.fabs(u.load_quadratic_drag * slope * velocity) + math.fabs(u.load_damping)
+    drag = drag * slope * slope
     resisting = p.damping + math.fabs(u.force_damping) + drag
     grip = p.coulomb_friction + p.joint_friction * math.fabs(u.force_value)
     resisting = resisting + grip / p.friction_velocity

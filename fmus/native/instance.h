@@ -1,7 +1,7 @@
 /*
 An instance of one part, whatever the version of FMI that a host reaches it by.
 
-table.h says what the part has: its header, its variables in the order of their value references
+part.h says what the part has: its header, its variables in the order of their value references
 (inputs, parameters, outputs) and how large the records are. The functions of the part are
 translated from its physics. This file does what fmus/slave.py does for the same part with Python
 in it, call by call and word by word.
@@ -21,7 +21,7 @@ defines `log_error`.
 #include <stdlib.h>
 #include <string.h>
 
-#include "table.h"
+#include "part.h"
 
 #define VARIABLES (INPUTS + PARAMETERS + OUTPUTS)
 #define LONGEST 512

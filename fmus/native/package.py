@@ -35,7 +35,7 @@ def sources(part: Part, guid: str, variables: list[Variable], into: Path, fmi: i
     names = (interface, f"fmi{fmi}.h", *FIXED)
     texts = {name: (HERE / name).read_text(encoding="utf-8") for name in names} | {
         "words.h": words.header(),
-        "table.h": table.header(part, guid, variables, translation),
+        "part.h": table.header(part, guid, variables, translation),
         f"{part.name}.h": translation.header,
         f"{part.name}.c": translation.source,
     }

@@ -5,7 +5,7 @@ The records are nothing but doubles, one after the other, so a block of doubles 
 */
 #include <string.h>
 
-#include "table.h"
+#include "part.h"
 
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)

@@ -85,7 +85,7 @@ def sources() -> dict[str, str]:
         "reference.c": (HERE / "reference.c").read_text(encoding="utf-8"),
         "semantics.h": (HERE / "semantics.h").read_text(encoding="utf-8"),
         "words.h": words.header(),
-        "table.h": "\n".join([*table.records(translation), ""]),
+        "part.h": "\n".join([*table.records(translation), ""]),
         "equations.h": translation.header,
         "equations.c": translation.source,
     }

@@ -1,4 +1,4 @@
-"""The header `table.h` that `layer.c` is compiled with: a part's records, variables and bounds."""
+"""The header `part.h` that `instance.h` needs: a part's records, variables and bounds."""
 
 from __future__ import annotations
 

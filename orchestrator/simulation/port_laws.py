@@ -30,9 +30,13 @@ def force(m: Members, back: Members, time: float) -> float:
 
 
 def torque(m: Members, back: Members, time: float) -> float:
-    """T = torque + D(w) - D(w0), D = -(c + c' (w - w0)) w |w| [N m]; without added inertia."""
+    """T = torque - damping (w - w0) + D(w) - D(w0), D = -(c + c' (w - w0)) w |w| [N m].
+
+    The added inertia of the port comes on top, in the receiver.
+    """
     del time
     w, w0 = back.get("flap_rate", 0.0), m.get("reference_rate", 0.0)
     c = m.get("quadratic_drag", 0.0)
     now = max(0.0, c + m.get("quadratic_drag_slope", 0.0) * (w - w0))
-    return m["torque"] - now * w * abs(w) + c * w0 * abs(w0)
+    passive = m.get("damping", 0.0) * (w - w0)
+    return m["torque"] - passive - now * w * abs(w) + c * w0 * abs(w0)

@@ -47,7 +47,9 @@ FORCE_MEMBERS = (
     "value", "reference_time", "reference_displacement", "reference_velocity",
     "stiffness", "damping", "rate", "curvature",
 )  # fmt: skip
-TORQUE_MEMBERS = ("torque", "reference_rate", "quadratic_drag", "quadratic_drag_slope")
+TORQUE_MEMBERS = (
+    "torque", "reference_rate", "quadratic_drag", "quadratic_drag_slope", "damping",
+)  # fmt: skip
 MOTION = ("displacement", "velocity", "flap_rate")
 
 

@@ -52,7 +52,7 @@ void record(Recorder *recorder, const System *system, int64_t step, double time)
 /* Members of the laws, in the order in which layout.py gives their places. */
 enum { VALUE, REFERENCE_TIME, REFERENCE_DISPLACEMENT, REFERENCE_VELOCITY, STIFFNESS, DAMPING, RATE,
        CURVATURE };
-enum { DRAG_TORQUE, REFERENCE_RATE, DRAG, DRAG_SLOPE };
+enum { DRAG_TORQUE, REFERENCE_RATE, DRAG, DRAG_SLOPE, LOAD_DAMPING };
 
 static double member(const Coupling *c, int which, double missing) {
     return c->members[which] < 0 ? missing : c->inputs[c->members[which]];
@@ -73,7 +73,8 @@ static double law_at(const Coupling *c, const double *motion, double time) {
         double drag = member(c, DRAG, 0.0);
         double sloped = drag + member(c, DRAG_SLOPE, 0.0) * (w - w0);
         double now = sloped > 0.0 ? sloped : 0.0;
-        return member(c, DRAG_TORQUE, 0.0) - now * w * fabs(w) + drag * w0 * fabs(w0);
+        double passive = member(c, LOAD_DAMPING, 0.0) * (w - w0);
+        return member(c, DRAG_TORQUE, 0.0) - passive - now * w * fabs(w) + drag * w0 * fabs(w0);
     }
 }
 

@@ -25,9 +25,9 @@ POINTER = ctypes.c_void_p
 
 SIZES = {
     "N": 0.05, "N/m": 300.0, "N.s/m": 0.2, "N/s": 5.0, "N/s2": 500.0, "m": 5e-4, "m/s": 0.05,
-    "rad": 0.1, "rad/s": 30.0, "V": 1500.0, "V/s": 2e5, "V2/s2": 1e13, "N.m": 1e-5, "N.m.s2": 1e-9,
-    "N.m.s3": 1e-11, "kg.m2": 1e-8, "kg.m2.s": 1e-11, "C": 5e-6, "F": 3e-9, "A": 1e-4, "A/s": 1e-2,
-    "F/s": 1e-9, "F/V2": 1e-18,
+    "rad": 0.1, "rad/s": 30.0, "V": 1500.0, "V/s": 2e5, "V2/s2": 1e13, "N.m": 1e-5, "N.m.s": 1e-6,
+    "N.m.s2": 1e-9, "N.m.s3": 1e-11, "kg.m2": 1e-8, "kg.m2.s": 1e-11, "C": 5e-6, "F": 3e-9,
+    "A": 1e-4, "A/s": 1e-2, "F/s": 1e-9, "F/V2": 1e-18,
 }  # fmt: skip
 """Size of an input by its unit; 1 where a unit is not listed."""
 

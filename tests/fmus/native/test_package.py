@@ -45,7 +45,7 @@ def test_the_description_is_that_of_the_python_fmu(library: Path, native: Path, 
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
         names = set(archive.namelist())
     fixed = {"fmi2.c", "fmi2.h", "instance.h", "dual.h", "semantics.h"}
-    files = {*fixed, "words.h", "table.h", f"{name}.c", f"{name}.h"}
+    files = {*fixed, "words.h", "part.h", f"{name}.c", f"{name}.h"}
     assert names == {
         f"binaries/{link.own_platform()}/{name}{link.PLATFORMS[link.own_platform()].suffix}",
         "modelDescription.xml",

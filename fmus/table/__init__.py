@@ -1,0 +1,1 @@
+"""A measured relation between variables."""
