@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,11 +10,13 @@ import typer
 
 from . import common
 from .command_list import RESULTS
+from .result_kinds import runs_or_sweeps
 
 if TYPE_CHECKING:
+    import xarray
     from rich.table import Table
 
-    from ..results.comparison import Comparison
+    from ..results.recorded import Recorded
 
 
 def add_to(app: typer.Typer) -> None:
@@ -23,7 +25,7 @@ def add_to(app: typer.Typer) -> None:
 
 
 def compare(
-    one: Annotated[Path, typer.Argument(help="A result, at whose times the two are compared.")],
+    one: Annotated[Path, typer.Argument(help="A result; runs are compared at its times.")],
     other: Annotated[Path, typer.Argument(help="The result to compare with it.")],
     variables: common.Variables = None,
     output: Annotated[
@@ -31,91 +33,66 @@ def compare(
     ] = None,
     json: common.Json = False,
 ) -> None:
-    """Compare two runs: their metrics, then each variable.
+    """Compare two runs, or two sweeps.
+
+    Of runs it shows the metrics of both, then how far each variable differs; of sweeps how far each
+    metric differs, at the points that both have.
 
     Example: resilin compare results/flapping-full-wings.nc results/slower.nc
     """
     from ..report.image import check_plot
-    from ..results.comparison import compared
-    from ..results.plot import overlay
-    from ..results.recorded import read_recorded
 
     with common.reported():
         if output is not None:
             check_plot(output)
         names = common.run_names([one, other])
-        runs = {name: read_recorded(path) for name, path in names.items()}
-        found = compared(*runs.values(), patterns=variables)
-        if output is not None:
-            overlay(runs, output, variables)
+        runs, sweeps = runs_or_sweeps([one, other])
+        shown, facts, missing = (
+            _of_sweeps(sweeps, variables, output) if sweeps else _of_runs(runs, variables, output)
+        )
     if json:
-        common.print_json(_facts(found, names))
+        common.print_json(
+            {
+                "results": list(map(str, names.values())),
+                **facts,
+                "missing": dict(zip(names, missing, strict=True)),
+            }
+        )
         return
-    from rich.text import Text
-
     console = common.console()
-    for table in _tables(found, list(names)):
-        console.print(table)
-    for name, lacking in zip(names, found.missing, strict=True):
+    for each in shown:
+        console.print(each)
+    for name, lacking in zip(names, missing, strict=True):
         if lacking:
-            console.print(Text(f"not in {name}: {', '.join(lacking)}"))
+            console.print(f"not in {name}: {', '.join(lacking)}")
     if output is not None:
         typer.echo(f"plot: {output}")
 
 
-def _tables(found: Comparison, names: list[str]) -> list[Table]:
-    """Metrics beside each other, and the differences of the variables that both have."""
-    from rich.table import Table
-
-    from ..errors import printable
-
-    metrics = Table("metric", *map(printable, names), "change", title="metrics")
-    for pair in found.metrics:
-        values = [metric.shown if metric else "-" for metric in (pair.one, pair.other)]
-        change = f"{100.0 * pair.change:+.3g} %" if isfinite(pair.change) else "-"
-        metrics.add_row(printable(pair.name), *values, change)
-    differences = Table(
-        title=f"{printable(names[1])} minus {printable(names[0])},"
-        f" {found.begin:.4g} to {found.end:.4g} s"
-    )
-    differences.add_column("variable", overflow="fold")
-    for heading in ("largest", "relative", "at", "rms"):
-        differences.add_column(heading, justify="right", no_wrap=True)
-    for each in found.differences:
-        unit = "" if each.unit in {"", "1"} else f" {printable(each.unit)}"
-        differences.add_row(
-            printable(each.name), f"{each.largest:.3g}{unit}",
-            f"{each.relative:.2g}" if isfinite(each.relative) else "-",
-            f"{each.at:.4g} s", f"{each.rms:.3g}{unit}",
-        )  # fmt: skip
-    for column in metrics.columns[1:]:
-        column.justify = "right"
-    return [table for table in (metrics, differences) if table.row_count]
+Shown = tuple[Sequence["Table | str"], dict[str, Any], tuple[list[str], list[str]]]
+"""Tables and lines, facts for scripts, and what each of the two lacks."""
 
 
-def _facts(found: Comparison, names: dict[str, Path]) -> dict[str, Any]:
-    """The comparison as data for scripts: values in SI."""
-    return {
-        "results": list(map(str, names.values())),
-        "begin": found.begin,
-        "end": found.end,
-        "metrics": {
-            pair.name: {
-                "values": [m.value if m else None for m in (pair.one, pair.other)],
-                "unit": next(m.unit for m in (pair.one, pair.other) if m),
-                "change": pair.change,
-            }
-            for pair in found.metrics
-        },
-        "differences": {
-            each.name: {
-                "unit": each.unit,
-                "largest": each.largest,
-                "at": each.at,
-                "rms": each.rms,
-                "relative": each.relative,
-            }
-            for each in found.differences
-        },
-        "missing": dict(zip(names, found.missing, strict=True)),
-    }
+def _of_runs(runs: dict[str, Recorded], variables: list[str] | None, output: Path | None) -> Shown:
+    from ..results.comparison import compared
+    from ..results.plot import overlay
+    from .compared_runs import facts, tables
+
+    found = compared(*runs.values(), patterns=variables)
+    if output is not None:
+        overlay(runs, output, variables)
+    return tables(found, list(runs)), facts(found), found.missing
+
+
+def _of_sweeps(
+    sweeps: dict[str, xarray.Dataset], variables: list[str] | None, output: Path | None
+) -> Shown:
+    from ..studies.sweep.comparison import compared
+    from ..studies.sweep.plot import overlay
+    from .compared_sweeps import facts, remarks, table
+
+    found = compared(*sweeps.values(), patterns=variables)
+    if output is not None:
+        overlay(sweeps, output, variables)
+    names = list(sweeps)
+    return [table(found, names), *remarks(found, names)], facts(found), found.missing

@@ -78,7 +78,7 @@ def compared(
             f" {one.times[-1]:g} s, the other from {other.times[0]:g} to {other.times[-1]:g} s"
         )
     common = [name for name in one.series if name in other.series]
-    found = [_difference(one, other, name, inside) for name in _chosen(common, patterns)]
+    found = [_difference(one, other, name, inside) for name in chosen(common, patterns)]
     found.sort(key=lambda each: -each.relative if isfinite(each.relative) else 0.0)
     missing = tuple(
         [name for name in has.series if name not in lacks.series]
@@ -87,7 +87,8 @@ def compared(
     return Comparison(begin, end, list(_pairs(one, other)), found, (missing[0], missing[1]))
 
 
-def _chosen(common: Sequence[str], patterns: Sequence[str] | None) -> list[str]:
+def chosen(common: Sequence[str], patterns: Sequence[str] | None) -> list[str]:
+    """Those that match a pattern, or all; `InputError` where a pattern matches none."""
     for pattern in patterns or ():
         if not any(fnmatchcase(name, pattern) for name in common):
             raise InputError(
@@ -107,7 +108,7 @@ def _pairs(one: Recorded, other: Recorded) -> Iterator[MetricPair]:
 def _difference(one: Recorded, other: Recorded, name: str, inside: NDArray[np.bool_]) -> Difference:
     times, values = one.times[inside], one.series[name][inside]
     unit = one.units[name]
-    there = np.interp(times, other.times, _scale(other.units[name], unit) * other.series[name])
+    there = np.interp(times, other.times, unit_scale(other.units[name], unit) * other.series[name])
     apart = np.abs(there - values)
     worst = int(np.argmax(apart))
     size = float(np.max(np.abs(values)))
@@ -122,7 +123,7 @@ def _difference(one: Recorded, other: Recorded, name: str, inside: NDArray[np.bo
     )
 
 
-def _scale(own: str, wanted: str) -> float:
+def unit_scale(own: str, wanted: str) -> float:
     """Factor between two units; 1 where they are not known, NaN where they do not fit."""
     if own == wanted or not (own and wanted):
         return 1.0

@@ -115,20 +115,22 @@ def is_sweep(attributes: Mapping[Any, Any]) -> bool:
     return "axes" in attributes
 
 
-def attributes_of(path: Path) -> dict[str, str]:
-    """Attributes of a result file, a run's or a sweep's; `InputError` where it is not one."""
-    with _opened(path) as (file, _):
-        return file.attributes
-
-
 def read_recorded(path: Path) -> Recorded:
     """The series of a run's result file, all in memory.
 
     Raises `InputError` where there is none, where it is not a result of a run, or where a variable
     of it is damaged.
     """
+    found = read_run(path)
+    if found is None:
+        raise InputError(f"{path}: is a sweep; this takes the result of a run")
+    return found
+
+
+def read_run(path: Path) -> Recorded | None:
+    """The same, and None of the result of a sweep."""
     with _opened(path) as (file, most):
-        return _of_file(path, file, most)
+        return None if is_sweep(file.attributes) else _of_file(path, file, most)
 
 
 @contextmanager
@@ -149,8 +151,6 @@ def _opened(path: Path) -> Iterator[tuple[BinaryFile, int]]:
 
 
 def _of_file(path: Path, file: BinaryFile, most: int) -> Recorded:
-    if is_sweep(file.attributes):
-        raise InputError(f"{path}: is a sweep; this takes the result of a run")
     places = {column.name: k for k, column in enumerate(file.columns)}
     rows = file.columns[places["time"]].rows if "time" in places else 0
     if not rows:

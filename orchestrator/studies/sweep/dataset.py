@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...errors import InputError
 from ...report.files import written_whole
-from ...results.netcdf import netcdf_name, partial_path, provenance
+from ...results.netcdf import netcdf_name, opened_file, partial_path, provenance
 from .metric_units import shown_units
 from .points import Grid, Point, Record
 
@@ -139,6 +140,15 @@ def write(data: xarray.Dataset, path: Path) -> Path:
     if data.attrs["complete"]:
         partial_path(path).unlink(missing_ok=True)
     return target
+
+
+def read(path: Path) -> xarray.Dataset:
+    """The result file of a sweep over its axes, all in memory; `InputError` where it is none."""
+    with opened_file(path) as data:
+        try:
+            return over_axes(data.load())
+        except (OSError, ValueError, RuntimeError, KeyError) as error:
+            raise InputError(f"{path}: not a sweep that can be read ({error})") from None
 
 
 def over_axes(data: xarray.Dataset) -> xarray.Dataset:

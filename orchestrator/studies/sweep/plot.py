@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
+from itertools import cycle
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,18 +13,20 @@ import numpy as np
 
 from ...errors import InputError, nearest, printable
 from ...report.image import plain, save_figure, standard_settings
-from .table import metric_names, shown_in
+from .comparison import check_same_axes, difference, in_unit_of, without_settings
+from .table import SELECT, metric_names, shown_in
 
 if TYPE_CHECKING:
     import xarray
 
 RESOLUTION = 110
 MOST_COLUMNS = 3
+STYLES = ("-", "--", ":", "-.")
+"""Lines of the sweeps that are drawn over each other."""
 MARKED = 40
 """Most points of a line that are marked one by one."""
 
 
-@standard_settings()
 def draw(data: xarray.Dataset, path: Path, patterns: Sequence[str] | None = None) -> Path:
     """Draw the metrics that match, or all that vary, each in a panel of its own.
 
@@ -31,19 +34,33 @@ def draw(data: xarray.Dataset, path: Path, patterns: Sequence[str] | None = None
     texts a line for each text. `InputError` where more than two axes have several values, or a
     pattern matches no metric; `OutputError` where the plot cannot be written.
     """
+    return overlay({"": data}, path, patterns)
+
+
+@standard_settings()
+def overlay(
+    sweeps: Mapping[str, xarray.Dataset], path: Path, patterns: Sequence[str] | None = None
+) -> Path:
+    """Draw sweeps over the same axes by their names, the lines of each in a kind of its own.
+
+    In the place of two heat maps there is one, of the second sweep minus the first one. Metrics
+    are those of the first sweep; the rest is as for :func:`draw`.
+    """
     from matplotlib.figure import Figure
 
-    data = data.squeeze()
-    axes = [str(name) for name in data.dims]
+    known = dict(zip(sweeps, without_settings(sweeps.values()), strict=True))
+    first = next(iter(known.values()))
+    for data in known.values():
+        check_same_axes(first, data)
+    axes = [str(name) for name in first.dims]
     if not 1 <= len(axes) <= 2:
         listed = ", ".join(axes) or "no axis"
-        raise InputError(
-            f"{listed}: a plot shows one or two axes of several values; select with xarray, as"
-            ' data.sel({"component.parameter": value}), and write that to a file'
-        )
-    axes.sort(key=lambda name: not _numeric(data[name]))
-    names = _chosen(data, patterns)
-    maps = len(axes) == 2 and _numeric(data[axes[1]]) == _numeric(data[axes[0]])
+        raise InputError(f"{listed}: a plot shows one or two axes of several values; {SELECT}")
+    axes.sort(key=lambda name: not _numeric(first[name]))
+    maps = len(axes) == 2 and _numeric(first[axes[1]]) == _numeric(first[axes[0]])
+    if maps and len(known) > 1:
+        return draw(_difference(known), path, patterns)
+    names = _chosen(first, patterns)
     columns = min(MOST_COLUMNS, ceil(len(names) / 2))
     rows = ceil(len(names) / columns)
     size = (1.0 + 5.0 * columns, 1.0 + (3.6 if maps else 2.4) * rows)
@@ -52,17 +69,17 @@ def draw(data: xarray.Dataset, path: Path, patterns: Sequence[str] | None = None
     for unused in panels[len(names) :]:
         unused.remove()
     for panel, name in zip(panels, names, strict=False):
-        unit, scale = shown_in(data[name])
+        unit, scale = shown_in(first[name])
         label = _plain(f"{name} ({unit})" if unit else name)
-        values = scale * data[name].transpose(*axes).values
         if maps:
-            _heat_map(figure, panel, data, axes, values, label)
+            _heat_map(
+                figure, panel, first, axes, scale * first[name].transpose(*axes).values, label
+            )
         else:
-            _lines(panel, data, axes, values)
+            _lines(panel, known, axes, name, scale)
             panel.set_ylabel(label, fontsize=8)
-            _mark_peak(panel, data, name, scale)
-        panel.set_xlabel(_labelled(data[axes[0]]), fontsize=8)
-    figure.suptitle(_plain(str(data.attrs.get("title", ""))), fontsize=11)
+        panel.set_xlabel(_labelled(first[axes[0]]), fontsize=8)
+    figure.suptitle(_plain(str(first.attrs.get("title", ""))), fontsize=11)
     return save_figure(figure, path, RESOLUTION)
 
 
@@ -81,16 +98,44 @@ def _chosen(data: xarray.Dataset, patterns: Sequence[str] | None) -> list[str]:
     return [name for name in names if any(fnmatchcase(name, p) for p in patterns)]
 
 
-def _lines(panel: Any, data: xarray.Dataset, axes: Sequence[str], values: Any) -> None:
-    """One line, or one for each value of the second axis."""
-    places = _ticks(data[axes[0]])
-    marker = "o" if len(places) <= MARKED else ""
-    for k, line in enumerate(values.reshape(len(places), -1).T):
-        label = _plain(str(data[axes[1]].values[k])) if len(axes) == 2 else None
-        panel.plot(places, line, marker=marker, ms=3, lw=1.2, label=label)
+def _difference(sweeps: Mapping[str, xarray.Dataset]) -> xarray.Dataset:
+    """The second of two sweeps minus the first one, entitled so."""
+    if len(sweeps) > 2:
+        raise InputError(
+            f"{len(sweeps)} sweeps over two axes: their heat maps do not go over each other; give"
+            " two, of which the difference is drawn, or one"
+        )
+    one, other = sweeps
+    return difference(*sweeps.values()).assign_attrs(title=f"{other} minus {one}")
+
+
+def _lines(
+    panel: Any, sweeps: Mapping[str, xarray.Dataset], axes: Sequence[str], name: str, scale: float
+) -> None:
+    """A colour for each sweep, or for each value of the second axis, a kind of line for each."""
+    first = next(iter(sweeps.values()))
+    beside = axes[1:]
+    texts = [str(v) for data in sweeps.values() for a in beside for v in data[a].values]
+    colours = list(dict.fromkeys(texts or sweeps))
+    for style, (sweep, data) in zip(cycle(STYLES), sweeps.items()):
+        if name not in data:
+            continue
+        places = _ticks(data[axes[0]])
+        if _numeric(data[axes[0]]):
+            places = in_unit_of(first[axes[0]], data[axes[0]])
+        values = scale * in_unit_of(first[name], data[name].transpose(*axes))
+        marker = "o" if len(places) <= MARKED else ""
+        for k, line in enumerate(values.reshape(len(places), -1).T):
+            text = [str(data[axis].values[k]) for axis in beside]
+            panel.plot(
+                places, line, style, marker=marker, ms=3, lw=1.2,
+                label=_plain(", ".join([*text, *filter(None, [sweep])])),
+                color=f"C{colours.index((text or [sweep])[0]) % 10}",
+            )  # fmt: skip
+        _mark_peak(panel, data, name, scale)
     panel.grid(visible=True, alpha=0.3)
-    if len(axes) == 2:
-        panel.legend(fontsize=7, title=_plain(axes[1]), title_fontsize=7)
+    if texts or len(sweeps) > 1:
+        panel.legend(fontsize=7, title=_plain(", ".join(beside)), title_fontsize=7)
 
 
 def _heat_map(

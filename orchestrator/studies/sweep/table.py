@@ -21,6 +21,8 @@ LONGEST_WORD = 20
 """Characters of a heading before it is broken."""
 NOTHING = "-"
 DONE = "done"
+SELECT = 'select with xarray, as data.sel({"component.parameter": value}), and write that to a file'
+"""How a user takes an axis out of a sweep."""
 FRAME = 3
 """Characters that a table puts around a column."""
 

@@ -38,7 +38,7 @@ def test_a_sweep_is_swept_listed_and_drawn(
     assert drawn.exit_code == 0, drawn.output
     assert PATH.with_suffix(".png").is_file()
     assert "which has no time" in resilin("plot", PATH, "--cycles", "3").stderr
-    assert "is a sweep" in resilin("compare", PATH, PATH.with_name("other.nc")).stderr
+    assert "no such result" in resilin("compare", PATH, PATH.with_name("other.nc")).stderr
     listed = json.loads(resilin("results", "--json").stdout)
     assert [(e["result"], e["kind"], e["extent"]) for e in listed] == [
         (str(PATH), "sweep", "2 x 2 points")

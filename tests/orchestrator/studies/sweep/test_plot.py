@@ -12,9 +12,8 @@ from matplotlib.collections import QuadMesh
 from orchestrator.errors import InputError
 from orchestrator.studies.sweep import plot
 from orchestrator.studies.sweep.points import Point
+from tests.orchestrator.studies.sweep.flat import FREQUENCY, MASS, WAVEFORM, flat
 from tests.orchestrator.studies.sweep.grids import Metrics, grid, made
-
-FREQUENCY, MASS, WAVEFORM = "amplifier.frequency", "payload.mass", "amplifier.waveform"
 
 
 def metrics(point: Point) -> Metrics:
@@ -83,6 +82,46 @@ def test_a_refined_peak_is_marked(panels: list[Any], library: Path) -> None:
     data.attrs |= {"peak_uncertainty": 1e-4, "peak_at_uncertainty": 0.1}
     plot.draw(data, Path("a.png"))
     assert panels[0].lines[1].get_xydata().tolist() == [[50.5, 50.0]]
+
+
+def test_sweeps_over_one_axis_are_lines_over_each_other(panels: list[Any]) -> None:
+    """Each at its own points, and in the first one's units."""
+    plot.overlay(
+        {
+            "a": flat({FREQUENCY: [48.0, 50.0]}, lambda f: 1e-3 * f),
+            "b": flat({FREQUENCY: [50.0, 51.0, 52.0]}, lambda f: f + 1.0, unit="mm"),
+        },
+        Path("a.png"),
+    )
+    one, other = panels[0].lines
+    np.testing.assert_allclose(one.get_xydata(), [[48.0, 48.0], [50.0, 50.0]])
+    np.testing.assert_allclose(other.get_xydata(), [[50.0, 51.0], [51.0, 52.0], [52.0, 53.0]])
+    assert [line.get_label() for line in (one, other)] == ["a", "b"]
+    assert one.get_color() != other.get_color()
+
+
+def test_texts_of_two_sweeps_share_a_colour(panels: list[Any]) -> None:
+    axes = {FREQUENCY: [48.0, 50.0], WAVEFORM: ["sine", "square"]}
+    turned = axes | {WAVEFORM: ["square", "sine"]}
+    sweeps = {name: flat(a, lambda f, w: f + len(w)) for name, a in (("a", axes), ("b", turned))}
+    plot.overlay(sweeps, Path("a.png"))
+    lines = {line.get_label(): line for line in panels[0].lines}
+    assert set(lines) == {"sine, a", "square, a", "sine, b", "square, b"}
+    assert lines["sine, a"].get_color() == lines["sine, b"].get_color()
+    assert lines["sine, a"].get_linestyle() != lines["sine, b"].get_linestyle()
+
+
+def test_of_two_heat_maps_the_difference_is_drawn(panels: list[Any]) -> None:
+    axes = {FREQUENCY: [48.0, 50.0], MASS: [1.0, 2.0]}
+    a, b = flat(axes, lambda f, m: 1e-3 * f), flat(axes, lambda f, m: 1e-3 * (f + m))
+    plot.overlay({"a": a, "b": b}, Path("a.png"))
+    (mesh,) = (c for c in panels[0].collections if isinstance(c, QuadMesh))
+    np.testing.assert_allclose(mesh.get_array(), [[1.0, 1.0], [2.0, 2.0]])
+    assert panels[0].figure.get_suptitle() == "b minus a"
+    with pytest.raises(InputError, match=r"3 sweeps over two axes: .*give two"):
+        plot.overlay({"a": a, "b": b, "c": a}, Path("a.png"))
+    with pytest.raises(InputError, match="same axes"):
+        plot.overlay({"a": a, "b": flat({MASS: [1.0, 2.0]}, lambda m: m)}, Path("a.png"))
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,68 @@
+"""What `resilin compare` shows of two runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+from ..results.comparison import Comparison
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+def tables(found: Comparison, names: Sequence[str]) -> list[Table]:
+    """Metrics beside each other, and the differences of the variables that both have."""
+    from rich.table import Table
+
+    from ..errors import printable
+
+    metrics = Table("metric", *map(printable, names), "change", title="metrics")
+    for pair in found.metrics:
+        values = [metric.shown if metric else "-" for metric in (pair.one, pair.other)]
+        change = f"{100.0 * pair.change:+.3g} %" if isfinite(pair.change) else "-"
+        metrics.add_row(printable(pair.name), *values, change)
+    differences = Table(
+        title=f"{printable(names[1])} minus {printable(names[0])},"
+        f" {found.begin:.4g} to {found.end:.4g} s"
+    )
+    differences.add_column("variable", overflow="fold")
+    for heading in ("largest", "relative", "at", "rms"):
+        differences.add_column(heading, justify="right", no_wrap=True)
+    for each in found.differences:
+        unit = "" if each.unit in {"", "1"} else f" {printable(each.unit)}"
+        differences.add_row(
+            printable(each.name), f"{each.largest:.3g}{unit}",
+            f"{each.relative:.2g}" if isfinite(each.relative) else "-",
+            f"{each.at:.4g} s", f"{each.rms:.3g}{unit}",
+        )  # fmt: skip
+    for column in metrics.columns[1:]:
+        column.justify = "right"
+    return [table for table in (metrics, differences) if table.row_count]
+
+
+def facts(found: Comparison) -> dict[str, Any]:
+    """The comparison as data for scripts: values in SI."""
+    return {
+        "begin": found.begin,
+        "end": found.end,
+        "metrics": {
+            pair.name: {
+                "values": [m.value if m else None for m in (pair.one, pair.other)],
+                "unit": next(m.unit for m in (pair.one, pair.other) if m),
+                "change": pair.change,
+            }
+            for pair in found.metrics
+        },
+        "differences": {
+            each.name: {
+                "unit": each.unit,
+                "largest": each.largest,
+                "at": each.at,
+                "rms": each.rms,
+                "relative": each.relative,
+            }
+            for each in found.differences
+        },
+    }
