@@ -39,7 +39,21 @@ def tables(found: Comparison, names: Sequence[str]) -> list[Table]:
         )  # fmt: skip
     for column in metrics.columns[1:]:
         column.justify = "right"
-    return [table for table in (metrics, differences) if table.row_count]
+    texts = Table("text", title=f"texts, {found.begin:.4g} to {found.end:.4g} s")
+    texts.columns[0].overflow = "fold"
+    for heading in ("differs for", "first at"):
+        texts.add_column(heading, justify="right", no_wrap=True)
+    for heading in map(printable, names):
+        texts.add_column(heading, overflow="fold")
+    for text in found.texts:
+        told = [
+            f"{text.apart:.4g} s", f"{text.first:.4g} s",
+            *(printable(repr(each), most=40) for each in (text.ours, text.theirs)),
+        ]  # fmt: skip
+        texts.add_row(
+            printable(text.name), *(told if isfinite(text.first) else ["0 s", "-", "-", "-"])
+        )
+    return [table for table in (metrics, differences, texts) if table.row_count]
 
 
 def facts(found: Comparison) -> dict[str, Any]:
@@ -64,5 +78,9 @@ def facts(found: Comparison) -> dict[str, Any]:
                 "relative": each.relative,
             }
             for each in found.differences
+        },
+        "texts": {
+            text.name: {"apart": text.apart, "first": text.first, "then": [text.ours, text.theirs]}
+            for text in found.texts
         },
     }

@@ -40,7 +40,7 @@ def record(
     Example: resilin record flapping-full-wings --part amplifier --stop "10 cycles"
     """
     from ..report.files import check_place
-    from ..results.port_recording import with_recorded_ports, write_port_recording
+    from ..results.port_recording import left_out, with_recorded_ports, write_port_recording
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load, unloaded
     from ..simulation.run import run
@@ -56,5 +56,8 @@ def record(
         written = write_port_recording(outcome, target)
         if not quiet:
             typer.echo(f"{outcome.kept} rows of {len(outcome.names)} variables: {written}")
+            omitted = left_out(plan, part)
+            if omitted:
+                typer.echo(f"left out, as a recording holds numbers only: {', '.join(omitted)}")
         if outcome.failure is not None:
             raise outcome.failure

@@ -30,7 +30,7 @@ LONGEST = 1 << 26
 
 @dataclass(frozen=True)
 class Declared:
-    """What a file says of a vector of numbers before it is read; `kind` is that of its dtype."""
+    """What a file says of a vector before it is read; `kind` is that of its dtype, `U` of texts."""
 
     name: str
     unit: str
@@ -39,7 +39,7 @@ class Declared:
 
 
 class BinaryFile:
-    """An open file: `columns` and `attributes` as declared, and the values of each column."""
+    """An open file: numeric `columns`, `texts` and `attributes` as declared, and their values."""
 
     def __init__(self, path: Path, form: str, lines: IO[bytes], answers: IO[bytes]) -> None:
         self._where = f"{path}: cannot be read as a {form} file"
@@ -48,21 +48,31 @@ class BinaryFile:
         self._answers = answers
         found = self._answer(self._where)
         self.columns = [Declared(**column) for column in found["columns"]]
+        self.texts = [Declared(**column) for column in found["texts"]]
         self.attributes: dict[str, str] = found["attributes"]
 
     def values(self, k: int) -> Values:
         """Values of a column; `RecordingError` where they cannot be read."""
-        where = f"{self._path}: {printable(self.columns[k].name)!r} cannot be read"
+        return self._values(k, self.columns[k].name)[1]
+
+    def changes(self, k: int) -> list[tuple[int, str]]:
+        """Rows at which a text changes, and the text from there on, as :meth:`values`."""
+        found, rows = self._values(len(self.columns) + k, self.texts[k].name)
+        return [(int(row), text) for row, text in zip(rows, found["texts"], strict=True)]
+
+    def _values(self, place: int, name: str) -> tuple[dict[str, Any], Values]:
+        where = f"{self._path}: {printable(name)!r} cannot be read"
         try:
-            self._lines.write(b"%d\n" % k)
+            self._lines.write(b"%d\n" % place)
             self._lines.flush()
         except OSError:
             raise RecordingError(f"{where} (its reader crashed or took too long)") from None
-        size = self._answer(where)["rows"] * np.dtype(float).itemsize
+        found = self._answer(where)
+        size = found["rows"] * np.dtype(float).itemsize
         content = self._answers.read(size)
         if len(content) != size:
             raise RecordingError(f"{where} (its reader crashed or took too long)")
-        return np.frombuffer(content)
+        return found, np.frombuffer(content)
 
     def _answer(self, where: str) -> dict[str, Any]:
         line = self._answers.readline(LONGEST)

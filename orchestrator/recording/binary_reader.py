@@ -1,9 +1,10 @@
 """The process that reads one binary file: `python binary_reader.py FORMAT FILE BYTES`.
 
-It writes a line of JSON: what the file declares of each vector of numbers, and its attributes; or
-why it cannot be read. Then it answers each line with the place of a column by a line of JSON,
-followed by the values as doubles. It imports nothing of this package, so that it starts as fast as
-the library that reads the format does.
+It writes a line of JSON: what the file declares of each vector of numbers and of texts, and its
+attributes; or why it cannot be read. Then it answers each line with the place of a column by a line
+of JSON, followed by the values as doubles. Places of texts come after those of numbers; their
+values are the rows at which they change, and the line has the texts. It imports nothing of this
+package, so that it starts as fast as the library that reads the format does.
 """
 
 from __future__ import annotations
@@ -25,25 +26,34 @@ SECONDS = 8
 SLOWEST = 10 << 20
 """Bytes of a file that a reader takes in a second at least."""
 
-Found = tuple[list[dict[str, Any]], dict[str, str], Callable[[int], Any]]
-"""Declared columns, attributes of the file, and how the values of a column are read."""
+Columns = list[dict[str, Any]]
+Found = tuple[Columns, Columns, dict[str, str], Callable[[int], Any]]
+"""Declared numbers and texts, attributes of the file, and how the values of a column are read."""
 
 
 def serve(form: str, path: str, lines: IO[bytes], answers: IO[bytes]) -> None:
     """Describe a file and send the columns that are asked for, until there is no more line."""
     try:
-        columns, attributes, read = READERS[form](path)
+        columns, texts, attributes, read = READERS[form](path)
     except BaseException as error:
         _answer(answers, {"refused": _reason(error)})
         return
-    _answer(answers, {"columns": columns, "attributes": attributes})
+    _answer(answers, {"columns": columns, "texts": texts, "attributes": attributes})
     for line in lines:
         try:
-            values = np.ascontiguousarray(read(int(line)), dtype=float)
+            found = read(int(line))
+            known, found = _changes(found) if int(line) >= len(columns) else ({}, found)
+            values = np.ascontiguousarray(found, dtype=float)
         except BaseException as error:
             _answer(answers, {"refused": _reason(error)})
             continue
-        _answer(answers, {"rows": len(values)}, values.tobytes())
+        _answer(answers, {"rows": len(values), **known}, values.tobytes())
+
+
+def _changes(texts: list[str]) -> tuple[dict[str, Any], list[int]]:
+    """The texts at the rows where they change, and these rows."""
+    rows = [k for k, text in enumerate(texts) if k == 0 or text != texts[k - 1]]
+    return {"texts": [texts[k] for k in rows]}, rows
 
 
 def _answer(answers: IO[bytes], content: dict[str, Any], values: bytes = b"") -> None:
@@ -60,25 +70,29 @@ def _column(name: str, unit: str, rows: int, kind: str) -> dict[str, Any]:
 
 
 def read_netcdf(path: str) -> Found:
-    """Variables over one dimension; values that are missing become NaN."""
+    """Variables over one dimension; numbers that are missing become NaN."""
     import netCDF4
 
     file = netCDF4.Dataset(path)
     file.set_always_mask(False)
-    columns, variables = [], []
+    numbers: list[tuple[dict[str, Any], Any]] = []
+    texts: list[tuple[dict[str, Any], Any]] = []
     for key, variable in file.variables.items():
-        kind = getattr(variable.dtype, "kind", "O")
-        if variable.ndim == 1 and kind in "fiu":
+        kind = "U" if variable.dtype is str else getattr(variable.dtype, "kind", "O")
+        if variable.ndim == 1 and kind in "fiuU":
             noted = {name: variable.getncattr(name) for name in variable.ncattrs()}
             name, unit = str(noted.get("original_name", key)), str(noted.get("units", ""))
-            columns.append(_column(name, unit, int(variable.size), kind))
-            variables.append(variable)
+            declared = _column(name, unit, int(variable.size), kind)
+            (texts if kind == "U" else numbers).append((declared, variable))
+    columns, variables = [d for d, _ in numbers], [v for _, v in (*numbers, *texts)]
     attributes = {str(name): str(file.getncattr(name)) for name in file.ncattrs()}
 
     def read(k: int) -> Any:
+        if k >= len(columns):
+            return [str(text) for text in variables[k][:].tolist()]
         return np.ma.filled(np.ma.asarray(variables[k][:], dtype=float), np.nan)
 
-    return columns, attributes, read
+    return columns, [d for d, _ in texts], attributes, read
 
 
 def read_matlab(path: str) -> Found:
@@ -87,7 +101,7 @@ def read_matlab(path: str) -> Found:
 
     found = list(_vectors(loadmat(path, simplify_cells=True)))
     columns = [_column(name, "", len(values), values.dtype.kind) for name, values in found]
-    return columns, {}, lambda k: found[k][1]
+    return columns, [], {}, lambda k: found[k][1]
 
 
 def _vectors(tree: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -114,7 +128,7 @@ def read_parquet(path: str) -> Found:
         name = file.schema_arrow.field(k).name
         return file.read([name], use_threads=False).column(0).to_numpy()
 
-    return columns, {}, read
+    return columns, [], {}, read
 
 
 READERS: dict[str, Callable[[str], Found]] = {

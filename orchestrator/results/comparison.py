@@ -14,6 +14,7 @@ from ..errors import InputError, nearest, printable
 from ..units import UnitError, factor
 from .metrics import Metric, metrics
 from .recorded import Recorded
+from .texts import texts_at
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,20 @@ class Difference:
     at: float
     rms: float
     relative: float
+
+
+@dataclass(frozen=True)
+class TextDifference:
+    """How long [s] a text of the two runs differs, and from when on [s]; NaN where it never does.
+
+    `ours` and `theirs` are what the two say then.
+    """
+
+    name: str
+    apart: float
+    first: float
+    ours: str
+    theirs: str
 
 
 @dataclass(frozen=True)
@@ -57,6 +72,7 @@ class Comparison:
     end: float
     metrics: list[MetricPair]
     differences: list[Difference]
+    texts: list[TextDifference]
     missing: tuple[list[str], list[str]]
     """Variables that the first run lacks, and the second one."""
 
@@ -78,13 +94,23 @@ def compared(
             f" {one.times[-1]:g} s, the other from {other.times[0]:g} to {other.times[-1]:g} s"
         )
     common = [name for name in one.series if name in other.series]
-    found = [_difference(one, other, name, inside) for name in chosen(common, patterns)]
+    texts = [name for name in one.texts if name in other.texts]
+    wanted = chosen([*common, *texts], patterns)
+    found = [_difference(one, other, name, inside) for name in common if name in wanted]
     found.sort(key=lambda each: -each.relative if isfinite(each.relative) else 0.0)
     missing = tuple(
         [name for name in has.series if name not in lacks.series]
+        + [name for name in has.texts if name not in lacks.texts]
         for lacks, has in ((one, other), (other, one))
     )
-    return Comparison(begin, end, list(_pairs(one, other)), found, (missing[0], missing[1]))
+    return Comparison(
+        begin,
+        end,
+        list(_pairs(one, other)),
+        found,
+        [_text_difference(one, other, name, begin, end) for name in texts if name in wanted],
+        (missing[0], missing[1]),
+    )
 
 
 def chosen(common: Sequence[str], patterns: Sequence[str] | None) -> list[str]:
@@ -121,6 +147,20 @@ def _difference(one: Recorded, other: Recorded, name: str, inside: NDArray[np.bo
         float(np.sqrt(np.mean(apart**2))),
         largest / size if size > 0.0 else (0.0 if largest == 0.0 else nan),
     )
+
+
+def _text_difference(
+    one: Recorded, other: Recorded, name: str, begin: float, end: float
+) -> TextDifference:
+    changed = (time for run in (one, other) for time, _ in run.texts[name] if begin < time < end)
+    times = np.array(sorted({begin, end, *changed}))
+    ours, theirs = (texts_at(run.texts[name], times) for run in (one, other))
+    unlike = np.asarray(ours != theirs)
+    if not unlike.any():
+        return TextDifference(name, 0.0, nan, "", "")
+    first = int(np.argmax(unlike))
+    apart = float(np.sum(np.diff(times, append=end)[unlike]))
+    return TextDifference(name, apart, float(times[first]), str(ours[first]), str(theirs[first]))
 
 
 def unit_scale(own: str, wanted: str) -> float:

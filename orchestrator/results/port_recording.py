@@ -44,6 +44,12 @@ def _outputs(plan: Plan, part: str) -> list[Variable]:
     return [v for v in outputs if v in crossing or v.name == EVENT] if crossing else outputs
 
 
+def left_out(plan: Plan, part: str) -> list[str]:
+    """Outputs of a component that no recording holds, as they are no numbers: texts, binaries."""
+    outputs = plan.interfaces[part].of("output")
+    return [f"{part}.{variable.name}" for variable in outputs if not variable.numeric]
+
+
 def write_port_recording(outcome: Outcome, path: Path) -> Path:
     """Write the outcome of such a run as .nc or .csv; as `.partial` where it stopped early."""
     if path.suffix == ".nc":

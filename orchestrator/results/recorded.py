@@ -19,6 +19,7 @@ from ..errors import InputError, RecordingError, printable
 from ..scenario.files import is_file
 from .outcome import Outcome
 from .scenario_attribute import scenario_table
+from .texts import Change, changes_of
 
 if TYPE_CHECKING:
     import xarray
@@ -35,8 +36,8 @@ class Recorded:
     """Times [s], and series and units by `component.variable`.
 
     `frequency` [Hz] is that of the drive, 0 without one; `metrics` and `plot` are the scenario's
-    own tables; `metric_errors` are estimated, in SI. `texts` names what was recorded that is no
-    number, and is not among the series.
+    own tables; `metric_errors` are estimated, in SI. `texts` holds the changes of what was recorded
+    that is no number, and is not among the series.
     """
 
     times: Values
@@ -47,7 +48,7 @@ class Recorded:
     metrics: Mapping[str, Any] | None = None
     plot: Mapping[str, Any] | None = None
     metric_errors: Mapping[str, float] = field(default_factory=dict)
-    texts: Sequence[str] = ()
+    texts: Mapping[str, Sequence[Change]] = field(default_factory=dict)
 
 
 def recorded(source: Recorded | Outcome | xarray.Dataset) -> Recorded:
@@ -72,16 +73,17 @@ def _of_outcome(outcome: Outcome) -> Recorded:
         metrics={"cycles": scenario.metrics.cycles, **scenario.metrics.defined},
         plot=dict(scenario.plot),
         metric_errors=outcome.metric_errors,
-        texts=plan.text_names,
+        texts=outcome.texts,
     )
 
 
 def _of_dataset(data: xarray.Dataset) -> Recorded:
     texts = _listed(data.attrs, "texts")
+    times = np.asarray(data["time"].values, dtype=float)
     named = {str(name): str(data[name].attrs.get("original_name", name)) for name in data.data_vars}
     names = {name: own for name, own in named.items() if own not in texts}
     return Recorded(
-        times=np.asarray(data["time"].values, dtype=float),
+        times=times,
         series={own: np.asarray(data[name].values) for name, own in names.items()},
         units={own: str(data[name].attrs.get("units", "")) for name, own in names.items()},
         title=str(data.attrs.get("title", "")),
@@ -89,7 +91,9 @@ def _of_dataset(data: xarray.Dataset) -> Recorded:
         metrics=scenario_table(data.attrs, "metrics"),
         plot=scenario_table(data.attrs, "plot"),
         metric_errors=_metric_errors(data.attrs),
-        texts=texts,
+        texts={
+            own: changes_of(times, data[name].values) for name, own in named.items() if own in texts
+        },
     )
 
 
@@ -163,6 +167,7 @@ def _of_file(path: Path, file: BinaryFile, most: int) -> Recorded:
         frequency = float(file.attributes.get("frequency", 0.0))
     except ValueError:
         frequency = 0.0
+    texts = _listed(file.attributes, "texts")
     return Recorded(
         times=times,
         series={name: file.values(k) for name, k in kept.items()},
@@ -172,5 +177,9 @@ def _of_file(path: Path, file: BinaryFile, most: int) -> Recorded:
         metrics=scenario_table(file.attributes, "metrics"),
         plot=scenario_table(file.attributes, "plot"),
         metric_errors=_metric_errors(file.attributes),
-        texts=_listed(file.attributes, "texts"),
+        texts={
+            column.name: [(float(times[row]), text) for row, text in file.changes(k)]
+            for k, column in enumerate(file.texts)
+            if column.name in texts and column.rows == rows
+        },
     )

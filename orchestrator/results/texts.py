@@ -32,6 +32,14 @@ class Texts:
             noted.clear()
 
 
+def changes_of(times: NDArray[np.float64], texts: NDArray[Any]) -> list[Change]:
+    """The changes of a text that is known at each of these times."""
+    known = Texts([""])
+    for time, text in zip(times, texts, strict=True):
+        known.note("", float(time), str(text))
+    return known.changes[""]
+
+
 def texts_at(changes: Sequence[Change], times: NDArray[np.float64]) -> NDArray[Any]:
     """The text at each of these times; "" before the first change."""
     begins = [time for time, _ in changes]

@@ -6,12 +6,14 @@ import json
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 import pytest
 import xarray
 from typer.testing import CliRunner, Result
 
 from orchestrator.cli import app
 from orchestrator.errors import KeptWarning
+from orchestrator.results.segments import Column, assemble
 
 SHORT = ("--stop", "4 cycles", "--step", "40 per cycle", "--no-picture", "--quiet")
 
@@ -81,6 +83,21 @@ def test_compare_shows_metrics_and_differences(two: Path) -> None:
     )
     assert {each["largest"] for each in same["differences"].values()} == {0.0}
     assert resilin("compare", pair[0], pair[0]).exit_code == 2
+
+
+def test_texts_are_compared(desk: Path) -> None:
+    times = np.linspace(0.0, 1.0, 11)
+    for name, moment in (("a", 0.35), ("b", 0.55)):
+        column = Column("relay.state", {}, [(0.0, "shut"), (moment, "open\x1b")])
+        noted = {"texts": '["relay.state"]'}
+        assemble(Path(f"{name}.nc"), [column], noted, iter([(times, np.zeros((11, 0)))]))
+    done = resilin("compare", "a.nc", "b.nc")
+    assert done.exit_code == 0, done.output
+    assert "│ relay.state │       0.2 s │    0.4 s │ 'open\\x1b' │ 'shut' │" in done.output
+    facts = json.loads(resilin("compare", "a.nc", "b.nc", "--json").stdout)
+    assert facts["texts"]["relay.state"] == {
+        "apart": pytest.approx(0.2), "first": 0.4, "then": ["open\x1b", "shut"]
+    }  # fmt: skip
 
 
 def test_a_run_that_records_nothing_shows_no_empty_table(desk: Path, library: Path) -> None:

@@ -26,6 +26,7 @@ from orchestrator.simulation.run import run
 from orchestrator.simulation.summary import warnings
 from orchestrator.simulation.system import System
 from tests.conftest import Runner
+from tests.foreign.scenarios import Shelf, level_control
 from tests.processes import python
 
 runner = CliRunner()
@@ -384,6 +385,19 @@ def test_a_run_that_stopped_leaves_a_partial_recording(library: Path, tmp_path: 
     )  # fmt: skip
     assert done.exit_code == 1
     assert [p.name for p in tmp_path.iterdir()] == ["p.partial.csv"]
+
+
+def test_texts_are_named_that_a_recording_leaves_out(shelf: Shelf, tmp_path: Path) -> None:
+    path = level_control(tmp_path, shelf, '[record]\nvariables = ["relay.open", "relay.state"]')
+    target = tmp_path / "relay.csv"
+    command = ["record", str(path), "--part", "relay", "--stop", "0.1 s"]
+    done = CliRunner().invoke(app, [*command, "--output", str(target)])
+    assert done.exit_code == 0, done.output
+    assert done.output.splitlines() == [
+        f"11 rows of 1 variables: {target}",
+        "left out, as a recording holds numbers only: relay.state",
+    ]
+    assert target.read_text().splitlines()[-12] == "time [s],open"
 
 
 def test_a_part_without_numbers_has_nothing_to_record(library: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 from orchestrator.errors import InputError
 from orchestrator.results.comparison import compared
 from orchestrator.results.recorded import Recorded
+from orchestrator.results.texts import Change
 
 METRICS = {"cycles": 5, "top": "max(tank.level) in mm", "still": "mean(tank.zero)"}
 
@@ -70,6 +71,38 @@ def test_what_only_one_has_is_listed() -> None:
     assert [each.name for each in found.differences] == ["tank.level"]
     assert found.missing == (["tank.zero", "tank.one"], ["tank.more"])
     assert all(isnan(pair.change) for pair in found.metrics)
+
+
+def saying(*changes: Change, name: str = "mode.text") -> Recorded:
+    still = run(11)
+    return Recorded(still.times, still.series, still.units, texts={name: changes})
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "found"),
+    [
+        ([(0.0, "on")], [(0.0, "on")], (0.0, None, "", "")),
+        ([(0.0, "on"), (0.4, "off")], [(0.0, "on"), (0.7, "off")], (0.3, 0.4, "off", "on")),
+        ([(0.0, "a")], [(0.0, "b"), (0.25, "a"), (0.75, "c")], (0.5, 0.0, "a", "b")),
+        ([(0.0, "on")], [(0.0, "on"), (1.0, "off")], (0.0, 1.0, "on", "off")),
+        ([(0.0, "on")], [(0.5, "on")], (0.5, 0.0, "on", "")),
+    ],
+    ids=["alike", "later", "twice", "at the end", "not yet"],
+)
+def test_texts_differ_for_a_time(
+    ours: list[Change], theirs: list[Change], found: tuple[float, float | None, str, str]
+) -> None:
+    (text,) = compared(saying(*ours), saying(*theirs)).texts
+    first = None if isnan(text.first) else text.first
+    assert (text.apart, first, text.ours, text.theirs) == pytest.approx(found)
+
+
+def test_texts_are_chosen_and_missed_like_numbers() -> None:
+    one, other = saying((0.0, "on")), saying((0.0, "on"), name="mode.word")
+    assert compared(one, other).missing == (["mode.word"], ["mode.text"])
+    found = compared(one, saying((0.0, "off")), patterns=["mode.*"])
+    assert ([each.name for each in found.texts], found.differences) == (["mode.text"], [])
+    assert compared(one, one, patterns=["tank.*"]).texts == []
 
 
 def test_variables_are_chosen_by_pattern() -> None:
