@@ -8,7 +8,10 @@ from typing import Annotated
 import typer
 
 from ..errors import FmuError, printable
+from . import common
 from .command_list import PARTS
+
+SCENARIOS = (".toml", ".ssp")
 
 
 def add_to(app: typer.Typer) -> None:
@@ -17,19 +20,27 @@ def add_to(app: typer.Typer) -> None:
 
 
 def check(
-    fmus: Annotated[list[Path], typer.Argument(help="FMU files.", metavar="FMU...")],
+    names: Annotated[
+        list[str],
+        typer.Argument(help="FMU files, parts or scenarios, by name or path.", metavar="NAME..."),
+    ],
     strict: Annotated[
         bool, typer.Option("--strict", help="Count warnings and what fmpy finds as errors.")
     ] = False,
+    fmus: common.Library = common.BUILT,
+    native: common.Native = None,
 ) -> None:
     """List what is wrong with FMU files.
 
-    Also by fmpy's validation. The exit code is 1 where there are errors.
+    Also by fmpy's validation. Of a scenario all FMUs are checked; what `resilin inspect` refuses is
+    refused. The exit code is 1 where there are errors.
 
     Example: resilin check build/fmus/spring.fmu
     """
+    with common.reported():
+        files = [path for name in names for path in _files(name, fmus, native)]
     failed = False
-    for path in fmus:
+    for path in dict.fromkeys(files):
         errors, warnings = _findings(path)
         for kind, texts in (("error", errors), ("warning", warnings)):
             for text in texts:
@@ -41,6 +52,23 @@ def check(
         failed |= bool(errors or (strict and warnings))
     if failed:
         raise typer.Exit(1)
+
+
+def _files(name: str, fmus: Path, native: bool | None) -> list[Path]:
+    """The FMU that a path or a part's name stands for, or those of a scenario's components."""
+    from ..scenario.files import is_file, scenario_names
+    from ..scenario.library import built_part, part_names
+    from ..simulation.load import unloaded
+
+    scenario = name.endswith(SCENARIOS) or name in scenario_names()
+    if name.endswith(".fmu") or (not scenario and is_file(Path(name))):
+        return [Path(name)]
+    library = common.library(fmus, native, name)
+    if not scenario and name in part_names(library):
+        return [built_part(name, library)]
+    plan = unloaded(name, library=library)
+    components = plan.scenario.components
+    return [known.path for key, known in plan.interfaces.items() if components[key].fmu]
 
 
 def _findings(path: Path) -> tuple[list[str], list[str]]:

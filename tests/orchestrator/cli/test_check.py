@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from orchestrator import cli
 from tests.foreign.rewritten import rewritten
-from tests.foreign.scenarios import Shelf, each_version
+from tests.foreign.scenarios import Shelf, each_version, hold, part, scenario
 
 OTHER = ('<Unit name="1"', '<Unit name="other"')
 
@@ -56,3 +56,32 @@ def test_what_is_no_fmu(tmp_path: Path) -> None:
     assert code == 1
     assert "not a zip archive" in lines[0]
     assert "missing.fmu: error: no such file" in lines[2]
+
+
+def test_a_scenario_has_all_its_fmus_checked(shelf: Shelf, tmp_path: Path) -> None:
+    """Each file once, also where several components use it."""
+    lax = rewritten(shelf("GAIN", 2), tmp_path / "lax.fmu", OTHER)
+    decay = shelf("DECAY", 2)
+    parts = (part("a", lax), part("b", lax), part("source", decay))
+    path = scenario(tmp_path, *parts, hold({"a.u": 0.0, "b.u": 0.0}))
+    code, lines = checked(path)
+    assert code == 0
+    verdicts = [line for line in lines if ": usable; " in line]
+    assert [line.partition(":")[0] for line in verdicts] == [str(lax), str(decay)]
+    assert any(line.startswith(f"{lax}: warning: ") for line in lines)
+    assert checked("--strict", path)[0] == 1
+
+
+def test_what_inspect_refuses_is_refused(tmp_path: Path, shelf: Shelf) -> None:
+    path = scenario(tmp_path, part("a", shelf("GAIN", 2), start={"gian": 2.0}))
+    refused = [CliRunner().invoke(cli.app, [name, str(path)]) for name in ("check", "inspect")]
+    assert [done.exit_code for done in refused] == [2, 2]
+    assert refused[0].stderr == refused[1].stderr
+    assert "did you mean 'gain'" in refused[0].stderr
+
+
+def test_names_are_those_of_parts_and_shipped_scenarios(library: Path) -> None:
+    code, lines = checked("spring", "oscillator-1", "--fmus", library)
+    assert (code, len(lines)) == (0, 3)
+    assert lines[0] == f"{library / 'spring.fmu'}: usable; 0 errors, 0 warnings"
+    assert checked("oscilator-1", "--fmus", library)[0] == 2
