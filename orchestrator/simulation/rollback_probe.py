@@ -6,6 +6,8 @@ add up with each attempt.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ import numpy as np
 from ..errors import InitialisationError, InstanceFailure
 from ..fmi.instance import InProcessInstance
 from .coupled_instance import CoupledInstance, Values
+from .masters import master_class
 from .system import System
 
 MOST_STEPS = 20
@@ -21,16 +24,26 @@ MISS = 0.01
 """Share of that change by which an output may differ once the FMU has gone back."""
 
 
-def check_rollback(system: System, size: float) -> None:
-    """Let each foreign FMU step and go back, twice; `InitialisationError` for one that does not.
+class Spent(Exception):
+    """An instance that was tried cannot be used any more: its FMU has crashed, or is no use."""
 
-    With outputs y at the start and y' after steps of `size` [s] with the inputs held, it has to be
-    at y after going back, and at y' after the same steps again, each within `MISS` of |y' - y|.
+
+def check_rollback(system: System, points: Sequence[float] | None) -> None:
+    """Try each foreign FMU where the run, over its own points or given ones, relies on rollback.
+
+    With outputs y at the start and y' after steps with the inputs held, it has to be at y after
+    going back, and at y' after the same steps again, each within `MISS` of |y' - y|. Raises
+    `InitialisationError` for one that is not, and `Spent` where the run has to take new instances;
+    a step that fails is the run's to report.
     """
+    plan = system.plan
+    adaptive = plan.scenario.time.tolerance is not None and points is None and plan.rolls_back
+    if not (adaptive or master_class(plan.scenario.master.kind).needs_rollback):
+        return
     for coupled in system.instances:
         interface = coupled.instance.interface
         if not interface.ours and interface.rollback:
-            _check(system, coupled, size)
+            _check(system, coupled, plan.grid.step)
 
 
 def _check(system: System, coupled: CoupledInstance, size: float) -> None:
@@ -38,18 +51,22 @@ def _check(system: System, coupled: CoupledInstance, size: float) -> None:
     counted = instance.steps, instance.rollbacks, instance.warned
     values = system.values[coupled.stretch]
     before = values.copy()
-    state = instance.save()
+    tried = None
     try:
-        after, back, again = _tried(system, coupled, state, size)
-    except InstanceFailure:
-        return  # a step that fails is the run's to report
-    finally:
+        state = instance.save()
+        with suppress(InstanceFailure):
+            tried = _tried(system, coupled, state, size)
         instance.restore(state)
         instance.receive()
         instance.forget(state)
-        instance.steps, instance.rollbacks, instance.warned = counted
-        if isinstance(instance, InProcessInstance) and instance.place is not None:
-            instance.place.steps, instance.place.rollbacks = counted[:2]
+    except InstanceFailure:
+        raise Spent from None
+    instance.steps, instance.rollbacks, instance.warned = counted
+    if isinstance(instance, InProcessInstance) and instance.place is not None:
+        instance.place.steps, instance.place.rollbacks = counted[:2]
+    if tried is None:
+        return
+    after, back, again = tried
     values[:] = before
     allowed = MISS * np.abs(after - before)
     for found, wanted, when in ((back, before, "after going back"), (again, after, "in a repeat")):

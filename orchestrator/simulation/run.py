@@ -14,6 +14,7 @@ from ..scenario.processes import is_guarded
 from .guarded.kept import kept_between_runs
 from .interrupt import Interrupt, Interrupted
 from .observers import Observer, check_observers
+from .rollback_probe import Spent, check_rollback
 from .stepping import stepped
 from .system import System
 
@@ -104,12 +105,21 @@ def _stepped(
         from .guarded.run import run_guarded
 
         return run_guarded(plan, points, progress=progress, interrupt=interrupt, segments=segments)
-    with System(plan) as system:
-        return stepped(
-            system,
-            points,
-            progress=progress,
-            interrupt=interrupt,
-            segments=segments,
-            observers=observers,
-        )
+
+    def here(*, probe: bool) -> Outcome:
+        with System(plan) as system:
+            if probe:
+                check_rollback(system, points)
+            return stepped(
+                system,
+                points,
+                progress=progress,
+                interrupt=interrupt,
+                segments=segments,
+                observers=observers,
+            )
+
+    try:
+        return here(probe=True)
+    except Spent:
+        return here(probe=False)

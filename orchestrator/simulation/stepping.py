@@ -18,7 +18,6 @@ from .energy_audit import Audit
 from .interrupt import Interrupt, Interrupted
 from .masters import Master, master_class
 from .observers import Guard, Memory, Observed, Observer, Progress, Recorder, Sink, Watcher
-from .rollback_probe import check_rollback
 from .step_control import adaptive
 from .stepper import Stepper
 from .system import System
@@ -45,8 +44,6 @@ def stepped(
     settings = plan.scenario.master
     tolerance = plan.scenario.time.tolerance
     master = master_class(settings.kind)(system, settings)
-    if master.needs_rollback or (tolerance is not None and points is None and plan.rolls_back):
-        check_rollback(system, plan.grid.step)
     recorder = Recorder(system, plan.scenario.record.every, segments, memory)
     bar = Progress(plan) if progress else None
     even = tolerance is None and points is None

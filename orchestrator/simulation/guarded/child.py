@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import os
 import pickle
+import sys
 from collections.abc import Callable
 from contextlib import chdir
 from pathlib import Path
@@ -25,6 +26,7 @@ from ...fmi.instance.protocol import COMMAND, answer, read_exactly, write_all
 from ...results.texts import Texts
 from ...scenario.processes import shared_memory
 from ..interrupt import Interrupt, Interrupted
+from ..rollback_probe import Spent, check_rollback
 from ..stepping import stepped
 from ..system import System, home
 from .job import DONE, FULL, MESSAGE, REFUSED, REPORT, TEXT, WRITTEN, Job, noted, report
@@ -116,6 +118,10 @@ def _carry_out(job: Job, pipe: Pipe) -> None:
     try:
         with System(job.plan, _opened_here(job, folder, board, pipe)) as system:
             os.chdir(folder)
+            if job.probe:
+                board.header.probing = 1
+                check_rollback(system, job.points)
+                board.header.probing = 0
             board.header.begun = perf_counter()
             outcome = stepped(
                 system,
@@ -129,6 +135,8 @@ def _carry_out(job: Job, pipe: Pipe) -> None:
             pipe.tell(REPORT, *report(outcome, on_grid))
     except (InputError, SimulationError) as error:
         pipe.tell(REFUSED, noted(error))
+    except Spent:
+        sys.exit()  # the master sees where it was, and takes another process
 
 
 def _opened_here(job: Job, working: Path, board: Board, pipe: Pipe) -> Callable[..., Instance]:

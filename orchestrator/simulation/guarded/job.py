@@ -29,13 +29,15 @@ WRITTEN, NOT_WRITTEN = b"k", b"e"
 class Job:
     """A run: its plan, given communication points, the files it shares.
 
-    `segmented` is true where its rows are to leave memory on the way.
+    `segmented` is true where its rows are to leave memory on the way, `probe` where its FMUs are
+    tried first, whether they go back.
     """
 
     plan: Plan
     points: Sequence[float] | None
     files: Files
     segmented: bool
+    probe: bool
 
 
 def noted(error: Exception | None) -> dict[str, Any] | None:

@@ -11,7 +11,7 @@ from ..interrupt import Interrupt
 from ..observers import Progress
 from .job import Job
 from .kept import process_for
-from .watch import Spoiled, Watch
+from .watch import EndedInProbe, Spoiled, Watch
 
 
 def run_guarded(
@@ -31,17 +31,22 @@ def run_guarded(
     """
     bar = Progress(plan) if progress else None
 
-    def attempt(*, fresh: bool) -> Outcome:
+    def attempt(*, fresh: bool, probe: bool) -> Outcome:
         with process_for(plan, fresh=fresh) as process:
-            job = Job(plan, points, process.files, segments is not None)
+            job = Job(plan, points, process.files, segments is not None, probe)
             process.carry_out(job)
             return Watch(job, process, segments=segments, interrupt=interrupt, bar=bar).outcome()
 
-    try:
+    def sure(*, probe: bool) -> Outcome:
         try:
-            return attempt(fresh=False)
+            return attempt(fresh=False, probe=probe)
         except Spoiled:
-            return attempt(fresh=True)
+            return attempt(fresh=True, probe=probe)
+
+    try:
+        return sure(probe=True)
+    except EndedInProbe:
+        return sure(probe=False)
     finally:
         if bar is not None:
             bar.close()

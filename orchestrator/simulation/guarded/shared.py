@@ -26,12 +26,18 @@ DOUBLE = 8
 class Header(ctypes.Structure):
     """`stop` is the signal that the run is to end by, `begun` the time at which it began to step.
 
-    The time is that of `perf_counter` [s], which all processes share; it is 0 before.
+    The time is that of `perf_counter` [s], which all processes share; it is 0 before. `probing` is
+    1 while FMUs are tried.
     """
 
-    _fields_: ClassVar = [("stop", ctypes.c_int64), ("begun", ctypes.c_double)]
+    _fields_: ClassVar = [
+        ("stop", ctypes.c_int64),
+        ("probing", ctypes.c_int64),
+        ("begun", ctypes.c_double),
+    ]
 
     stop: int
+    probing: int
     begun: float
 
 

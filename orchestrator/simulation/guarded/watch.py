@@ -40,6 +40,10 @@ class Spoiled(Exception):
     """A process that had carried out other jobs before has died: one of these may be the cause."""
 
 
+class EndedInProbe(Exception):
+    """A process has died while its FMUs were tried: the run itself has not begun."""
+
+
 class Watch:
     """Watches a process until its job is done or it has ended, and makes an outcome of that."""
 
@@ -71,7 +75,7 @@ class Watch:
     def outcome(self) -> Outcome:
         """Wait for the end; the run's outcome, or the error that kept it from its first step.
 
-        Raises `Spoiled` where another process has to tell.
+        Raises `Spoiled` or `EndedInProbe` where another process has to tell.
         """
         try:
             self._until_the_end()
@@ -87,6 +91,8 @@ class Watch:
             return self._reported(self._report)
         if self._process.used > 1 and not self._segments:
             raise Spoiled
+        if self._board.header.probing:
+            raise EndedInProbe
         culprit = self._culprit()
         text = self._cause or end
         if culprit is None:
