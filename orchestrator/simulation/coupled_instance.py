@@ -19,7 +19,8 @@ class CoupledInstance:
     the places `sources` of the system's values), then the held ones (`held`: name to place).
     `arriving` are the connections behind the wired ones. `plain` are those wired inputs that
     arrive as bare real numbers, without a law, and may be held at a mean over a step; one that
-    `decides`, that puts out nothing but switches, gets them as they are. `direct` is true where an
+    `decides`, that puts out nothing but switches, gets them as they are; `rising` says which of
+    them may change evenly over the step. `direct` is true where an
     output in use follows an input without a step between.
     """
 
@@ -39,6 +40,9 @@ class CoupledInstance:
         self.direct = False
         self.decides = decides
         self.plain = _plain([] if decides else arriving)
+        self.rising = np.array(
+            [instance.interpolates and arriving[k].input.rises for k in self.plain], dtype=bool
+        )
         self._values = values
         self.moves = _moves(self.inputs, values, sources)
         self._gain: Values | None = None
@@ -64,6 +68,14 @@ class CoupledInstance:
         """Send these wired values, given as their sources put them out."""
         self.inputs[:] = arriving
         self._send()
+
+    def incline(self, rates: Values) -> None:
+        """Let the plain inputs rise by these rates [1/s] of their sources over the coming step."""
+        every = np.zeros(len(self.buffer))
+        every[self.plain] = rates
+        if self._gain is not None:
+            every[: len(self._gain)] *= self._gain
+        self.instance.incline(every)
 
     def _send(self) -> None:
         if self._gain is not None and self._offset is not None:

@@ -43,23 +43,30 @@ def foreign(
     forgetful: bool = False,
     variable_step: bool = True,
     once: bool = False,
+    interpolates: bool = False,
     fault: int = 0,
     library: str | None = None,
     name: str | None = None,
 ) -> Path:
     """Build one of `MODELS` into a folder and return its .fmu.
 
-    `rollback`, `variable_step` and `once` are both declared and enforced; a `forgetful` one does
-    not go back to a saved state, though it says so; `fault` is the start
-    value of FAULTY's parameter. `library` is the file name of the shared library, `name` the stem
-    of the .fmu; both follow from the modelIdentifier by default.
+    `rollback`, `variable_step` and `once` are both declared and enforced; so is, of FMI 2,
+    `interpolates`, with which outputs have rates too. A `forgetful` one does not go back to a saved
+    state, though it says so; `fault` is the start value of FAULTY's parameter. `library` is the
+    file name of the shared library, `name` the stem of the .fmu; both follow from the
+    modelIdentifier by default.
     """
     if model not in MODELS or version not in (2, 3):
         raise ValueError(f"no {model} for FMI {version}; there are {', '.join(MODELS)}")
     if fault not in (FAULTS if model == "FAULTY" else (0,)):
         raise ValueError(f"{model} has no fault {fault}")
     facts = named(model, version)
-    options = {"rollback": rollback, "variable_step": variable_step, "once": once}
+    options = {
+        "rollback": rollback,
+        "variable_step": variable_step,
+        "once": once,
+        "interpolates": interpolates,
+    }
     describe = _description_2 if version == 2 else _description_3
     root = describe(facts, fault, **options)
     indent(root)
@@ -85,6 +92,7 @@ def _compiled(
     rollback: bool,
     variable_step: bool,
     once: bool,
+    interpolates: bool,
 ) -> bytes:
     """The shared library of a model; built once in a session for each set of options."""
     switches = {
@@ -92,6 +100,7 @@ def _compiled(
         "FORGETFUL": forgetful,
         "VARIABLE_STEP": variable_step,
         "ONCE": once,
+        "INTERPOLATES": interpolates,
     }
     macros = [f"MODEL_{model}", f"FMI_VERSION={version}", f"FAULT={fault}"]
     macros += [macro for macro, wanted in switches.items() if wanted]
@@ -233,13 +242,15 @@ def _enumerates(facts: Model) -> bool:
 
 
 def _description_2(
-    facts: Model, fault: int, *, rollback: bool, variable_step: bool, once: bool
+    facts: Model, fault: int, *, rollback: bool, variable_step: bool, once: bool, interpolates: bool
 ) -> Element:
     """The modelDescription of FMI 2.0; members of ports are annotated with their order."""
     root = Element("fmiModelDescription", fmiVersion="2.0", guid=facts.token)
     capabilities = {
         "canHandleVariableCommunicationStepSize": _truth(variable_step),
         "canBeInstantiatedOnlyOncePerProcess": _truth(once),
+        "canInterpolateInputs": _truth(interpolates),
+        "maxOutputDerivativeOrder": str(int(interpolates)),
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": _truth(rollback),
     }
@@ -271,9 +282,10 @@ def _description_2(
 
 
 def _description_3(
-    facts: Model, fault: int, *, rollback: bool, variable_step: bool, once: bool
+    facts: Model, fault: int, *, rollback: bool, variable_step: bool, once: bool, interpolates: bool
 ) -> Element:
-    """The modelDescription of FMI 3.0, without annotations."""
+    """The modelDescription of FMI 3.0, without annotations; its inputs have no derivatives."""
+    del interpolates
     root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=facts.token)
     capabilities = {
         "canHandleVariableCommunicationStepSize": _truth(variable_step),

@@ -2,11 +2,12 @@
 Small co-simulation FMUs that stand for foreign ones: one model and one version of FMI per library.
 
   -DMODEL_PAIR | MODEL_MASS | MODEL_POPULATION | MODEL_GAIN | MODEL_TYPES | MODEL_DECAY
-  | MODEL_TANK | MODEL_RELAY | MODEL_FAULTY
+  | MODEL_TANK | MODEL_RELAY | MODEL_LAG | MODEL_FAULTY
   -DFMI_VERSION=2 | 3
   -DROLLBACK        the state can be taken, set back and freed; else these calls fail
   -DFORGETFUL       setting it back is reported as done, and is not
   -DVARIABLE_STEP   steps of any size; else all must have the size of the first
+  -DINTERPOLATES    LAG: its input may rise over a step
   -DONCE            one instance in a process, ever
   -DFAULT=n         14 hangs FAULTY in instantiate; the others are its parameter, see `strike`
 
@@ -78,6 +79,7 @@ typedef struct { /* all that rollback has to restore */
     double stop;     /* of the run, 0 if it was not told */
     double reached;  /* DECAY: the time up to which it has integrated */
     double x, v;     /* MASS: displacement and velocity; FAULTY: x is the integral of u */
+    double rise;     /* LAG: rate of its input */
     double growth;   /* FAULTY: what its output has grown by */
     bool ready;      /* initialised */
     bool stricken;   /* FAULTY: its output is not a number */
@@ -191,6 +193,22 @@ static void observe(State *s)
 
 /* Exact for a partner that stays as it is. */
 static void integrate(State *s, double size) { s->x *= exp((R(growth) + R(effect) * R(other)) * size); }
+
+#elif defined MODEL_LAG
+
+static void observe(State *s)
+{
+    if (!s->ready)
+        s->x = R(start);
+    R(y) = s->x;
+}
+
+/* Exact for an input that rises evenly: y' = u + r t - y. */
+static void integrate(State *s, double size)
+{
+    const double r = s->rise, u = R(u);
+    s->x = (s->x - u + r) * exp(-size) + u - r + r * size;
+}
 
 #elif defined MODEL_GAIN
 
@@ -691,8 +709,29 @@ REFUSED(fmi2SerializedFMUstateSize, void *, size_t *)
 REFUSED(fmi2SerializeFMUstate, void *, char[], size_t)
 REFUSED(fmi2DeSerializeFMUstate, const char[], size_t, void **)
 REFUSED(fmi2GetDirectionalDerivative, REFERENCES, REFERENCES, const double[], double[])
-REFUSED(fmi2SetRealInputDerivatives, REFERENCES, const int[], const double[])
+#ifdef INTERPOLATES
+Status fmi2SetRealInputDerivatives(void *instance, const Reference at[], size_t count,
+                                   const int order[], const double value[])
+{
+    if (count != 1 || at[0] != V_u || order[0] != 1)
+        return logged(instance, fmi2Error, "only the first derivative of u can be set");
+    ((Instance *)instance)->state.rise = value[0];
+    return fmi2OK;
+}
+
+Status fmi2GetRealOutputDerivatives(void *instance, const Reference at[], size_t count,
+                                    const int order[], double value[])
+{
+    State *s = &((Instance *)instance)->state;
+    if (count != 1 || at[0] != V_y || order[0] != 1)
+        return logged(instance, fmi2Error, "only the first derivative of y is there");
+    value[0] = R(u) - s->x;
+    return fmi2OK;
+}
+#else
 REFUSED(fmi2GetRealOutputDerivatives, REFERENCES, const int[], double[])
+REFUSED(fmi2SetRealInputDerivatives, REFERENCES, const int[], const double[])
+#endif
 REFUSED(fmi2CancelStep)
 REFUSED(fmi2GetStatus, const fmi2StatusKind, fmi2Status *)
 REFUSED(fmi2GetIntegerStatus, const fmi2StatusKind, fmi2Integer *)

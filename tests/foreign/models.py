@@ -177,6 +177,12 @@ GAIN = (
     _output("y", "1", "gain u + offset", "u"),
 )
 
+LAG = (
+    _input("u", "1", "What is followed"),
+    _parameter("start", "1", "Output at the start", 0.0),
+    _output("y", "1", "y' = u - y, with a time constant of 1 s"),
+)
+
 DECAY = (
     replace(_output("x", "", "What decays: x' = -k x"), start=1.0, exact=True),
     _parameter("k", "1/s", "Rate of decay", 1.0),
@@ -273,6 +279,7 @@ MODELS: dict[str, tuple[str, tuple[Variable, ...]]] = {
     "MASS": ("A mass, a spring and a damper: m x'' + d x' + k x = force", MASS),
     "POPULATION": ("Of prey or of its predators: x' = (growth + effect other) x", POPULATION),
     "GAIN": ("y = gain u + offset, at once", GAIN),
+    "LAG": ("y' = u - y", LAG),
     "TYPES": ("Echoes of every type of variable", ()),
     "DECAY": ("x' = -k x, with a start value, a file and a local variable", DECAY),
     "TANK": ("level' = open inflow - k level, with a Boolean input", TANK),

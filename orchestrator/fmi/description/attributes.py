@@ -46,6 +46,8 @@ def interface(
         step=preferred_step(root),
         model_exchange=exchange,
         states=len(root.findall("ModelStructure/Derivatives/Unknown")),
+        rates=version == 2 and not exchange and _count(kind.get("maxOutputDerivativeOrder")) > 0,
+        interpolates=exchange or (version == 2 and true(kind.get("canInterpolateInputs"))),
         indicators=_count(root.get("numberOfEventIndicators")),
     )
 

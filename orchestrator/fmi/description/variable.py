@@ -78,6 +78,12 @@ class Variable:
         return self.kind in {"Boolean", "Enumeration"}
 
     @property
+    def rises(self) -> bool:
+        """Whether it can change evenly over a step: a continuous double that is no array's."""
+        doubles = self.kind in ("Real", "Float64") and self.extent == 1
+        return doubles and self.variability == "continuous"
+
+    @property
     def tunable(self) -> bool:
         """Whether it may be set while the instance runs."""
         return self.causality == "input" or self.variability == "tunable"
@@ -102,7 +108,9 @@ class Interface:
     """Variables and capabilities of an FMU; `step` [s] is the communication step it prefers.
 
     One for `model_exchange` has so many continuous `states` and event `indicators`, as FMI 2 lists
-    them; an FMU for co-simulation has its own solver, and none of these.
+    them; an FMU for co-simulation has its own solver, and none of these. One that `interpolates`
+    takes inputs that change over a step by their rates: those of FMI 2 that say so, and all that
+    are integrated here. One with `rates` gives the first derivatives of its outputs.
     """
 
     path: Path
@@ -122,6 +130,8 @@ class Interface:
     model_exchange: bool = False
     states: int = 0
     indicators: int = 0
+    interpolates: bool = False
+    rates: bool = False
 
     def of(self, *causalities: str) -> list[Variable]:
         """Variables with one of these causalities, in the FMU's order."""

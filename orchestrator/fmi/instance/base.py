@@ -39,6 +39,9 @@ class Instance(ABC):
     `warned` counts the steps that came back with a warning.
     """
 
+    interpolates = False
+    """Whether :meth:`incline` means something to it."""
+
     def __init__(self, name: str, interface: Interface) -> None:
         self.name = name
         self.interface = interface
@@ -86,6 +89,20 @@ class Instance(ABC):
     @abstractmethod
     def send(self) -> None:
         """Pass the input buffer to the FMU."""
+
+    def rates(self) -> Values | None:
+        """Rates of change [1/s] of the outputs now, in the order of :meth:`connect`.
+
+        None where the instance gives none, or not for all of them.
+        """
+        return None
+
+    def incline(self, rates: Values) -> None:
+        """Let the inputs rise from what was sent, by their rates [1/s], over the coming step.
+
+        A rate for each input of :meth:`connect`; only continuous reals may have one that is not 0.
+        """
+        raise NotImplementedError(f"{self.name} holds its inputs over a step")
 
     @abstractmethod
     def step(self, time: float, size: float) -> None:

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..description import Variable
+from .base import Values
 from .in_process import InProcessInstance, listen, route
 from .integrated import Integrated
 
@@ -58,6 +59,28 @@ class Fmi2Instance(InProcessInstance):
             0,
             1,
         )
+
+    def rates(self) -> Values | None:
+        count = len(self._outputs)
+        if not self.interface.rates or not all(v.rises for v in self._outputs):
+            return None
+        types = (POINTER, POINTER, COUNT, POINTER, POINTER)
+        function = self._function("fmi2GetRealOutputDerivatives", *types)
+        references = (ctypes.c_uint * count)(*(v.reference for v in self._outputs))
+        orders = (ctypes.c_int * count)(*count * [1])
+        values = np.empty(count)
+        there = (ctypes.addressof(references), count)
+        self._call(function, *there, ctypes.addressof(orders), values.ctypes.data)
+        return values
+
+    def incline(self, rates: Values) -> None:
+        count = len(self._rising)
+        types = (POINTER, POINTER, COUNT, POINTER, POINTER)
+        function = self._function("fmi2SetRealInputDerivatives", *types)
+        orders = (ctypes.c_int * count)(*count * [1])
+        values = (DOUBLE * count)(*rates[self._rising])
+        there = (ctypes.addressof(self._rising_references), count)
+        self._call(function, *there, ctypes.addressof(orders), ctypes.addressof(values))
 
     def _stepper(self) -> Any:
         """What makes a step, for Python and for C."""

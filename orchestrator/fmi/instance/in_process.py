@@ -79,6 +79,7 @@ class InProcessInstance(Instance):
 
     def __init__(self, name: str, interface: Interface, folder: Path) -> None:
         super().__init__(name, interface)
+        self.interpolates = interface.interpolates
         self._running = False
         self._instance: Any = None
         self._broken = False
@@ -96,6 +97,9 @@ class InProcessInstance(Instance):
         self._receive: list[Callable[[], int]] = []
         self._sent: list[Block] = []
         self._given: Values = np.zeros(0)
+        self._rising: list[int] = []
+        self._outputs: list[Variable] = []
+        self._rising_references: Any = None
         self._read: list[tuple[list[Block], Values]] = []
         self._start: dict[str, float | str] = {}
 
@@ -160,6 +164,10 @@ class InProcessInstance(Instance):
         output_values: Values,
     ) -> None:
         self._sent, self._given = blocks(inputs, self.dtypes), input_values
+        self._rising = [k for k, v in enumerate(inputs) if v.rises]
+        self._rising_references = (ctypes.c_uint * len(self._rising))(
+            *(inputs[k].reference for k in self._rising)
+        )
         for block in self._sent:
             block.preset(self.interface.of("input"), self._start)
         self._send = writer(self._sent, input_values, lambda *what: self._bind("Set", *what))
@@ -169,6 +177,7 @@ class InProcessInstance(Instance):
             everything = everything + group
             made = blocks(everything, self.dtypes)
             values = output_values[: len(everything)]
+            self._outputs = everything
             get = reader(self.name, made, values, lambda *what: self._bind("Get", *what))
             self._receive.append(get)
             self._read.append((made, values))

@@ -2,9 +2,9 @@
 
 Between steps the instance is in event mode, where every input may be set and every output read. A
 step begins with the events that its inputs or the time have brought about, goes on in continuous
-time with the inputs held, and ends in event mode again. State events are found by CVODE where an
-event indicator changes its sign; time events are stepped to. Each step starts CVODE anew, since
-inputs jump between steps, so a master may go back to any saved state.
+time with the inputs held or rising evenly, and ends in event mode again. State events are found by
+CVODE where an event indicator changes its sign; time events are stepped to. Each step starts CVODE
+anew, since inputs jump between steps, so a master may go back to any saved state.
 """
 
 from __future__ import annotations
@@ -14,7 +14,10 @@ from abc import abstractmethod
 from math import inf
 from typing import Any
 
+import numpy as np
+
 from ...errors import FmuError, InstanceFailure, printable
+from .base import Values
 from .in_process import InProcessInstance
 
 TOLERANCE = 1.0e-10
@@ -37,7 +40,7 @@ ERROR = 3
 
 
 class Held:
-    """Inputs during a step, as fmpy's solver asks for them: they stay what they are."""
+    """Inputs during a step, as fmpy's solver asks for them: they come with the time."""
 
     def apply(self, time: float) -> None:
         """Nothing to do."""
@@ -59,12 +62,27 @@ class Integrated(InProcessInstance):
         self._worst = 0
         self._next_event = inf
         self._solver: Any = None
+        self._begin = 0.0
+        self._first = self._rates = np.zeros(0)
         super().__init__(*arguments)
         self._solver_class = self._cvode()
 
     def exit_initialisation(self) -> None:
         super().exit_initialisation()  # type: ignore[safe-super]
         self._settle()
+
+    def incline(self, rates: Values) -> None:
+        """A step that is made here sets the inputs to what they are wherever it sets the time."""
+        some = rates[self._rising]
+        self._first = self._given[self._rising].copy()
+        self._rates = some if some.any() else np.zeros(0)
+
+    def _rise(self, time: float) -> None:
+        """Set the inputs that rise to what they are at a time [s]."""
+        kind = "Real" if self.PREFIX == "fmi2" else "Float64"
+        values = self._first + self._rates * (time - self._begin)
+        status = self._bind("Set", kind, list(self._rising_references), values)()
+        self._worst = max(self._worst, status if status > 1 else 0)
 
     def stepped(self, time: float, size: float) -> int:
         """Status of a step from `time` [s]; what goes wrong is a message, as in an FMU's own."""
@@ -81,6 +99,7 @@ class Integrated(InProcessInstance):
     def _integrate(self, time: float, size: float) -> None:
         end = time + size
         least = GRAIN * size
+        self._begin = time
         self._set_time(time)
         self._settle()
         now, stops = time, 0
@@ -160,6 +179,8 @@ class Integrated(InProcessInstance):
     def _set_time(self, time: float) -> None:
         status = self._named("SetTime", POINTER, ctypes.c_double)(self._instance, time)
         self._worst = max(self._worst, status if status > 1 else 0)
+        if len(self._rates):
+            self._rise(time)
 
     def _completed(self) -> bool:
         """Tell of a step of the integrator; whether the FMU wants event mode."""

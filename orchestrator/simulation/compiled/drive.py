@@ -36,6 +36,8 @@ def unsuited(system: System, master: Master, watching: Sequence[Watcher]) -> str
         return f"{system.plan.scenario.master.kind} iterates, in Python"
     if system.plan.texts:
         return "texts are recorded in Python"
+    if isinstance(master, Extrapolated) and master.rises:
+        return "inputs rise over a step, in Python"
     if system.loop:
         return "an algebraic loop is solved after each step, in Python"
     strange = [type(o).__name__ for o in watching if type(o) not in WATCHED]

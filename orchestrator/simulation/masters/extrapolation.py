@@ -36,8 +36,34 @@ def mean_weights(times: Sequence[float], begin: float, end: float) -> list[float
     return [_mean_of_basis(nodes, j) for j in range(len(nodes))]
 
 
+def tilt_weights(times: Sequence[float], begin: float, end: float) -> list[float]:
+    """Weights of values at `times` in half the rise over [begin, end] of the straight line that
+    has the mean and the first moment of the polynomial through them.
+
+    In s from 0 to 1 that line is mean + tilt (2 s - 1), tilt = 3 int y(s) (2 s - 1) ds.
+    """
+    nodes = [(time - begin) / (end - begin) for time in times]
+    made = []
+    for j in range(len(nodes)):
+        coefficients, below = _basis(nodes, j)
+        total = 0.0
+        for k, coefficient in enumerate(coefficients):
+            total = total + coefficient * (2.0 / float(k + 2) - 1.0 / float(k + 1))
+        made.append(3.0 * total / below)
+    return made
+
+
 def _mean_of_basis(nodes: Sequence[float], j: int) -> float:
     """Integral over [0, 1] of the polynomial that is 1 at node `j` and 0 at the others."""
+    coefficients, below = _basis(nodes, j)
+    total = 0.0
+    for k, coefficient in enumerate(coefficients):
+        total = total + coefficient / float(k + 1)
+    return total / below
+
+
+def _basis(nodes: Sequence[float], j: int) -> tuple[list[float], float]:
+    """Coefficients of the polynomial that vanishes at all nodes but `j`, and its value there."""
     coefficients, below = [1.0], 1.0
     for i, node in enumerate(nodes):
         if i == j:
@@ -48,10 +74,7 @@ def _mean_of_basis(nodes: Sequence[float], j: int) -> float:
         higher[0] = -node * coefficients[0]
         coefficients = higher
         below = below * (nodes[j] - node)
-    total = 0.0
-    for k, coefficient in enumerate(coefficients):
-        total = total + coefficient / float(k + 1)
-    return total / below
+    return coefficients, below
 
 
 def point_weights(times: Sequence[float], at: float, scale: float) -> list[float]:
