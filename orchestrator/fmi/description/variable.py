@@ -111,6 +111,7 @@ class Interface:
     them; an FMU for co-simulation has its own solver, and none of these. One that `interpolates`
     takes inputs that change over a step by their rates: those of FMI 2 that say so, and all that
     are integrated here. One with `rates` gives the first derivatives of its outputs.
+    One that `restarts` has no states of FMI, and goes back by its continuous states alone.
     """
 
     path: Path
@@ -132,6 +133,7 @@ class Interface:
     indicators: int = 0
     interpolates: bool = False
     rates: bool = False
+    restarts: bool = False
 
     def of(self, *causalities: str) -> list[Variable]:
         """Variables with one of these causalities, in the FMU's order."""

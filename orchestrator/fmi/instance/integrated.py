@@ -19,6 +19,7 @@ import numpy as np
 from ...errors import FmuError, InstanceFailure, printable
 from .base import Values
 from .in_process import InProcessInstance
+from .restart import Restart
 
 TOLERANCE = 1.0e-10
 """Relative tolerance of CVODE, and absolute by the states' nominal values.
@@ -62,14 +63,40 @@ class Integrated(InProcessInstance):
         self._worst = 0
         self._next_event = inf
         self._solver: Any = None
-        self._begin = 0.0
+        self._begin = self._time = 0.0
+        self.events = 0
         self._first = self._rates = np.zeros(0)
         super().__init__(*arguments)
+        self._restart = Restart(self) if self.interface.restarts else None
         self._solver_class = self._cvode()
 
     def exit_initialisation(self) -> None:
         super().exit_initialisation()  # type: ignore[safe-super]
+        self._time = self._now
         self._settle()
+
+    def _state_function(self, verb: str) -> Any:
+        """The FMU's own function, or ours where it has none."""
+        own = super()._state_function  # type: ignore[safe-super]
+        return own(verb) if self._restart is None else self._restart.function(verb)
+
+    def here(self) -> tuple[float, Values, int]:
+        """Time [s], continuous states, and how many events have been."""
+        values = np.empty(self._sizes()[0])
+        get = self._named("GetContinuousStates", POINTER, POINTER, COUNT)
+        self._call(get, values.ctypes.data, len(values))
+        return self._time, values, self.events
+
+    def begin_at(self, time: float, states: Values) -> None:
+        """Go to a time with these continuous states; all else stays what it is."""
+        self._rates = np.zeros(0)
+        self._call(self._named("EnterContinuousTimeMode", POINTER))
+        self._set_time(time)
+        put = self._named("SetContinuousStates", POINTER, POINTER, COUNT)
+        self._call(put, states.ctypes.data, len(states))
+        self._call(self._named("EnterEventMode", POINTER))
+        self._settle()
+        self._time = time
 
     def incline(self, rates: Values) -> None:
         """A step that is made here sets the inputs to what they are wherever it sets the time."""
@@ -118,6 +145,7 @@ class Integrated(InProcessInstance):
                 now = goal
                 self._set_time(now)
             self._call(self._named("EnterEventMode", POINTER))
+            self.events += event or self._next_event <= now + least
             self._settle()
             stops += 1
             if stops > MOST_STOPS:
@@ -125,6 +153,7 @@ class Integrated(InProcessInstance):
                     f"{self.name}: more than {MOST_STOPS} events up to t = {now:.9g} s: the model"
                     " does not get on"
                 )
+        self._time = end
 
     def _at(self, time: float) -> Any:
         """CVODE at a time, from the states that the instance has now."""

@@ -131,9 +131,37 @@ def test_steps_by_a_tolerance_go_back(tmp_path: Path) -> None:
     assert deviation(tmp_path, 2, "extrapolated", 0.01, tolerance=1e-4) < 1e-2
 
 
-def deviation(folder: Path, version: int, master: str, step: float, **time: float) -> float:
+@each_version
+@pytest.mark.parametrize("master", ["extrapolated", "iterative"])
+def test_without_states_it_goes_back_by_its_continuous_ones(
+    tmp_path: Path, version: int, master: str
+) -> None:
+    """By a tolerance, and by passes: the same rows as with the FMU's own states."""
+    rows = []
+    for rollback in (True, False):
+        (tmp_path / str(rollback)).mkdir()
+        given = {"tolerance": 1e-4} if master == "extrapolated" else {}
+        rows.append(
+            deviation(tmp_path / str(rollback), version, master, 0.01, rollback=rollback, **given)
+        )
+    assert rows[0] == pytest.approx(rows[1], rel=1e-9)
+    assert rows[1] < 1e-2
+
+
+def test_an_event_cannot_be_undone_by_continuous_states(tmp_path: Path) -> None:
+    fmu = exchanged("BALL", tmp_path, rollback=False)
+    text = part("ball", fmu, isolate=False)
+    path = scenario(tmp_path, text, stop=1.0, step=0.1)
+    done = run(load(str(path), time={"tolerance": 1e-9}), estimate=False)
+    assert "an event lies in the step that is to be undone" in str(done.failure)
+    assert "rollback = false" in str(done.failure)
+
+
+def deviation(
+    folder: Path, version: int, master: str, step: float, *, rollback: bool = True, **time: float
+) -> float:
     """Largest error of both positions over the closed form, by the amplitude of 1."""
-    mass, spring = (exchanged(name, folder, version) for name in ("MASS", "SPRING"))
+    mass, spring = (exchanged(name, folder, version, rollback) for name in ("MASS", "SPRING"))
     path = scenario(
         folder,
         f'[master]\nkind = "{master}"',
