@@ -9,6 +9,7 @@ from typing import Any
 
 from ..description import Interface, Variable
 from . import kind_of
+from .base import Values
 from .in_process import InProcessInstance
 from .message_log import FAULTY, MOST_MESSAGES
 from .place import (
@@ -84,6 +85,14 @@ class _Placed(InProcessInstance):
     def receive(self, group: int = -1) -> None:
         with self.place.at(RECEIVE):
             super().receive(group)
+
+    def rates(self) -> Values | None:
+        with self.place.at(RECEIVE):
+            return super().rates()
+
+    def incline(self, rates: Values) -> None:
+        with self.place.at(SEND):
+            super().incline(rates)
 
     def texts(self, variables: list[Variable]) -> list[str]:
         with self.place.at(RECEIVE):
