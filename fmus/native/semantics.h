@@ -33,12 +33,15 @@ itself, with other last digits than the library's.
 #if defined(__GNUC__)
 #define NO_RETURN __attribute__((noreturn, cold))
 #define INTERNAL __attribute__((visibility("hidden")))
+#define RARE __attribute__((noinline, cold))
 #elif defined(_MSC_VER)
 #define NO_RETURN __declspec(noreturn)
 #define INTERNAL
+#define RARE
 #else
 #define NO_RETURN
 #define INTERNAL
+#define RARE
 #endif
 
 #ifdef __APPLE__

@@ -13,6 +13,8 @@ class Plain:
     """Floats as `double`, under the signs of C."""
 
     number = "double"
+    storage = "static inline"
+    declared = "static"
 
     def record(self, name: str) -> str:
         """Name of a struct of floats."""
@@ -41,9 +43,13 @@ class Plain:
 
 
 class Dual(Plain):
-    """Floats as `Dual` of `dual.h`: each function gives the value and its derivative."""
+    """Floats as `Dual` of `dual.h`: each function gives the value and its derivative.
+
+    They are called now and then: the compiler is to spend its room on the plain ones.
+    """
 
     number = "Dual"
+    storage = declared = "static RARE"
 
     def record(self, name: str) -> str:
         return f"Dual{name}"

@@ -51,7 +51,7 @@ def translated(
     unused = [context.named(p.name) for p in parameters if p.name not in context.read]
     if entry and not causes:
         unused.insert(0, "fault")
-    lines = wrapped(head if entry else f"static inline {head}", "")
+    lines = wrapped(head if entry else f"{unit.arithmetic.storage} {head}", "")
     lines.append("{")
     if unused:
         lines += wrapped(", ".join(f"(void){name}" for name in unused) + ";", STEP)

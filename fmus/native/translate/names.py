@@ -27,7 +27,7 @@ LIBRARY = frozenset(_LIBRARY.split())
 """Names of the C library that a file sees, or that a linker may find in its place."""
 
 _OWN = """
-Fault Row Table PI INTERNAL NO_RETURN MARK RETURN MOST_WHOLE fail fault within quotient
+Fault Row Table PI INTERNAL NO_RETURN RARE MARK RETURN MOST_WHOLE fail fault within quotient
 smaller larger whole_smaller whole_larger row_of entry_of remainder_of floored_of
 whole_remainder whole_floored whole_of finite_of fabs copysign DOMAIN_ERROR RANGE_ERROR
 ZERO_DIVISION ZERO_FLOOR ZERO_MODULO ZERO_WHOLE_FLOOR ZERO_WHOLE_MODULO OUT_OF_RANGE

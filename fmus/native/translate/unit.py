@@ -277,7 +277,7 @@ class Unit:
         for section in sections.values():
             for _, made in sorted(section.functions.items()):
                 if made not in self._entries:
-                    lines += wrapped(f"static {made.head};", "")
+                    lines += wrapped(f"{self.arithmetic.declared} {made.head};", "")
         for source, section in sections.items():
             if section.functions:
                 lines += ["", f"/* ---- {_place(source)} ---- */"]
