@@ -5,12 +5,15 @@ SCENARIO ?= $(or $(SCENE),flapping-full-wings)
 
 COFMPY := $(VENV)/cofmpy
 
+# byte code is made where a module is first used, not of all that is installed
+INSTALL := $(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt
+
 # tests and studies start hundreds of processes: each would compile the package again
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: run test lint slow bench docs clean
 
-run: $(VENV)/ready
+run: $(VENV)/core
 	$(BIN)/python build_fmus.py
 	$(BIN)/resilin run $(SCENARIO)
 
@@ -35,13 +38,17 @@ docs: $(VENV)/docs
 	@echo "site/index.html opens offline"
 
 $(VENV)/docs: $(VENV)/ready
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+	$(INSTALL) --editable ".[docs]"
 	touch $@
 
-$(VENV)/ready: pyproject.toml constraints.txt
+$(VENV)/core: pyproject.toml constraints.txt
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed')"
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
+	$(INSTALL) --editable .
+	touch $@
+
+$(VENV)/ready: $(VENV)/core
+	$(INSTALL) --editable ".[dev]"
 	touch $@
 
 # a tool that needs another fmpy: its own environment, which looks into ours for all the rest

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, OutputError
+from ..extras import require
 from ..report.files import check_place, make_folder, written_whole
 from ..scenario.files import is_file
 from ..scenario.plan import Plan
@@ -38,6 +39,7 @@ def dataset(outcome: Outcome) -> xarray.Dataset:
     versions, master, step; and how the run went. Of a run whose rows have left memory in segments
     only the last rows are here: :func:`write` puts all of them into one file.
     """
+    require("a dataset", "xarray")
     import xarray
 
     data = {}
@@ -141,6 +143,7 @@ def segments_for(plan: Plan, path: Path) -> Segments:
 @contextmanager
 def opened_file(path: Path) -> Iterator[xarray.Dataset]:
     """A netCDF file to read, a run's or a sweep's; `InputError` where it is not one."""
+    require("a plot of a sweep", "xarray")
     import xarray
 
     if not is_file(path):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, printable
+from ..extras import require
 from ..report.image import plain, save_figure, standard_settings
 from ..results.netcdf import netcdf_name
 from ..results.scenario_attribute import scenario_table
@@ -57,6 +58,7 @@ def beside(path: Path, drive: float) -> Beside:
     `drive` is the drive's amplitude in the unit of the linear input. Raises `InputError` where the
     file cannot be read as such a sweep.
     """
+    require("a sweep beside a response", "xarray")
     import xarray
 
     try:

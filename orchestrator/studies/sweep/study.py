@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...errors import InputError, OutputError, SimulationError, nearest, printable
+from ...extras import require
 from ...scenario.files import scenario_names, scenario_path
 from ...scenario.library import LIBRARY, located
 from ...simulation.interrupt import Interrupt, Interrupted
@@ -77,6 +78,7 @@ def sweep(
     from ...results.netcdf import check_target, prepare
     from .dataset import described
 
+    require("a sweep", "xarray")
     check_target(target)
     common = dict(changes or {})
     parsed = [parse_axis(axis) if isinstance(axis, str) else axis for axis in axes]

@@ -21,6 +21,9 @@ from ...simulation.scratch import Scratch
 Client = Any
 """A `distributed.Client`, which has no type annotations."""
 
+PACKAGES = ("distributed", "cryptography")
+"""What is imported here, the second for the certificate of :func:`local`."""
+
 HOST = "127.0.0.1"
 CONNECTING = 10.0
 """Seconds within which a scheduler has to answer."""
@@ -52,7 +55,6 @@ PRELOADED = [
     "orchestrator.simulation.load",
     "orchestrator.simulation.run",
     "orchestrator.results.metrics",
-    "xarray",
 ]
 """Modules that a worker imports before it registers, so that no point waits for them."""
 

@@ -12,6 +12,7 @@ from time import monotonic
 from typing import Any, Generic, Self, TypeVar
 
 from ...errors import InputError, SimulationError
+from ...extras import require
 from . import dask_cluster
 from .dask_cluster import Client
 
@@ -119,6 +120,7 @@ class WorkerPool(Generic[Item]):
 
     def _opened(self, points: int) -> Client:
         if self._client is None:
+            require("work in other processes", *dask_cluster.PACKAGES)
             if self._scheduler is not None:
                 opening = dask_cluster.remote(self._scheduler)
             else:
