@@ -464,7 +464,10 @@ def build_command(
         table.add_row(fmu.name, kind, str(fmu.variables), kilobytes, fmu.guid[:8], state)
     Console().print(table)
     if native is None and into is None and len(kinds) == 1:
-        typer.echo("no C compiler was found: only Python FMUs were built, which run slower")
+        typer.echo(
+            "no C compiler was found: only Python FMUs were built, which run slower; install cc, or"
+            " pip install 'resilin[native]'"
+        )
 
 
 def _kinds(native: bool | None, into: Path | None) -> list[str]:

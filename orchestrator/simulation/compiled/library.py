@@ -42,7 +42,7 @@ def missing() -> str:
         return ""
     if os.environ.get(SWITCH) == "python":
         return f"{SWITCH} asks for the Python loop"
-    return "no C compiler was found: install cc, or pip install ziglang"
+    return "no C compiler was found: install cc, or pip install 'resilin[native]'"
 
 
 def compiler() -> list[str] | None:
