@@ -68,12 +68,16 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """All that a file shows. `facts` are pairs of a name and a text: versions, parts, times."""
+    """All that a file shows. `facts` are pairs of a name and a text: versions, parts, times.
+
+    `alarms` stand above all: what forbids to use the page.
+    """
 
     title: str
     lead: str
     sections: Sequence[Section]
     facts: Sequence[tuple[str, str]] = field(default_factory=tuple)
+    alarms: Sequence[str] = ()
 
 
 def rendered(page: Page) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -226,7 +227,7 @@ def of_a_run(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     plan = load("oscillator-1", None, library, time={"stop": "6 cycles"})
     outcome = run(plan, estimate=True).checked()
     data = recorded(outcome)
-    made = run_page(outcome, data, metrics(data))
+    made = replace(run_page(outcome, data, metrics(data)), alarms=["Not to be used: no reason."])
     return write(made, tmp_path_factory.mktemp("run") / "run.html")
 
 
@@ -248,6 +249,20 @@ def test_it_is_readable_and_accessible(
     violations = Axe().run(made).response["violations"]
     context.close()
     assert [(v["id"], v["nodes"][0]["html"]) for v in violations] == []
+
+
+def test_a_card_uses_its_width(browser: Browser, of_a_run: Path) -> None:
+    """On a narrow screen a value takes one line, unless it is longer than its card is wide."""
+    made = browser.new_page(viewport={"width": 400, "height": 900})
+    made.goto(of_a_run.as_uri())
+    cells = made.locator("#metrics td > div, #made-of td > div")
+    heights = [box["height"] for each in cells.all() if (box := each.bounding_box()) is not None]
+    texts = cells.all_text_contents()
+    made.close()
+    line = min(heights)
+    broken = {text for text, high in zip(texts, heights, strict=True) if high > 1.5 * line}
+    assert {len(text) for text in broken} == {64}, "only digests are"
+    assert max(heights) < 2.5 * line
 
 
 @pytest.mark.parametrize("text", ["</script><script>alert(1)</script>", "<img src=x onerror=a()>"])
