@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError, ResilinError, printable
+from ..errors import InputError, ResilinError, nearest, printable
 from . import completion
 
 if TYPE_CHECKING:
@@ -118,6 +118,28 @@ def result_path(scenario: str, output: Path | None, name: str | None, ending: st
             f"--name {printable(name)!r}: is not the name of a file; --output takes paths"
         )
     return RESULTS / f"{Path(scenario).stem if name is None else name}{ending}"
+
+
+def result_file(given: Path) -> Path:
+    """A result by its path, or by its name in the folder of results; `InputError` with a near one.
+
+    A path that is not there may be that of a file beside others: these are then what is offered.
+    """
+    from ..scenario.files import is_file
+
+    if is_file(given):
+        return given
+    folder = given.parent if given.name != str(given) else RESULTS
+    for name in (given.name, f"{given.name}.nc"):
+        if is_file(folder / name):
+            return folder / name
+    shown = printable(str(given), most=1000)
+    try:
+        known = [path.stem for path in folder.glob("*.nc")]
+    except (OSError, ValueError):
+        known = []
+    hint = nearest(given.name.removesuffix(".nc"), known) if known else "resilin run makes one"
+    raise InputError(f"{shown}: no such result; {hint}")
 
 
 def run_names(paths: Sequence[Path]) -> dict[str, Path]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from . import common
+from . import common, completion
 from .command_list import RESULTS
 from .result_kinds import runs_or_sweeps
 
@@ -25,8 +26,17 @@ def add_to(app: typer.Typer) -> None:
 
 
 def compare(
-    one: Annotated[Path, typer.Argument(help="A result; runs are compared at its times.")],
-    other: Annotated[Path, typer.Argument(help="The result to compare with it.")],
+    one: Annotated[
+        Path,
+        typer.Argument(
+            help="A result by name or path; runs are compared at its times.",
+            autocompletion=completion.results,
+        ),
+    ],
+    other: Annotated[
+        Path,
+        typer.Argument(help="The result to compare with it.", autocompletion=completion.results),
+    ],
     variables: common.Variables = None,
     output: Annotated[
         Path | None, typer.Option(help="Plot of both over each other, as .png, .svg or .pdf.")
@@ -35,18 +45,19 @@ def compare(
 ) -> None:
     """Compare two runs, or two sweeps.
 
-    Of runs it shows the metrics of both, then how far each variable differs; of sweeps how far each
-    metric differs, at the points that both have.
+    It shows the settings that differ. Of runs it then shows the metrics of both and how far each
+    variable differs; of sweeps how far each metric differs, at the points that both have.
 
-    Example: resilin compare results/flapping-full-wings.nc results/slower.nc
+    Example: resilin compare flapping-full-wings slower
     """
     from ..report.image import check_plot
 
     with common.reported():
         if output is not None:
             check_plot(output)
-        names = common.run_names([one, other])
-        runs, sweeps = runs_or_sweeps([one, other])
+        pair = [common.result_file(each) for each in (one, other)]
+        names = common.run_names(pair)
+        runs, sweeps = runs_or_sweeps(pair)
         shown, facts, missing = (
             _of_sweeps(sweeps, variables, output) if sweeps else _of_runs(runs, variables, output)
         )
@@ -76,23 +87,35 @@ Shown = tuple[Sequence["Table | str"], dict[str, Any], tuple[list[str], list[str
 def _of_runs(runs: dict[str, Recorded], variables: list[str] | None, output: Path | None) -> Shown:
     from ..results.comparison import compared
     from ..results.plot import overlay
-    from .compared_runs import facts, tables
+    from .compared_runs import facts, remarks, settings_table, tables
 
     found = compared(*runs.values(), patterns=variables)
     if output is not None:
         overlay(runs, output, variables)
-    return tables(found, list(runs)), facts(found), found.missing
+    names = list(runs)
+    shown = [*remarks(runs), *settings_table(found.settings, names), *tables(found, names)]
+    told = {"notes": {name: asdict(run.notes) for name, run in runs.items()}, **facts(found)}
+    return shown, told, found.missing
 
 
 def _of_sweeps(
     sweeps: dict[str, xarray.Dataset], variables: list[str] | None, output: Path | None
 ) -> Shown:
+    from ..results.comparison import differing
+    from ..results.scenario_attribute import settings
     from ..studies.sweep.comparison import compared
     from ..studies.sweep.plot import overlay
+    from .compared_runs import settings_table
     from .compared_sweeps import facts, remarks, table
 
     found = compared(*sweeps.values(), patterns=variables)
+    one, other = (
+        {k: v for k, v in settings(data.attrs).items() if k not in found.axes}
+        for data in sweeps.values()
+    )
+    apart = differing(one, other)
     if output is not None:
         overlay(sweeps, output, variables)
     names = list(sweeps)
-    return [table(found, names), *remarks(found, names)], facts(found), found.missing
+    shown = [*settings_table(apart, names), table(found, names), *remarks(found, names)]
+    return shown, {"settings": apart, **facts(found)}, found.missing

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from ..results.comparison import Comparison
+from ..results.comparison import Comparison, SettingPairs
+from ..results.recorded import Recorded
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+
+MOST_SETTINGS = 20
+"""Settings that a table shows."""
 
 
 def tables(found: Comparison, names: Sequence[str]) -> list[Table]:
@@ -56,9 +61,36 @@ def tables(found: Comparison, names: Sequence[str]) -> list[Table]:
     return [table for table in (metrics, differences, texts) if table.row_count]
 
 
+def settings_table(found: SettingPairs, names: Sequence[str]) -> Iterator[Table | str]:
+    """What the two were run with that is not alike."""
+    from rich.table import Table
+
+    from ..errors import printable
+
+    if not found:
+        return
+    shown = Table(title="settings that differ")
+    for heading in ("setting", *map(printable, names)):
+        shown.add_column(heading, overflow="fold")
+    for name, pair in list(found.items())[:MOST_SETTINGS]:
+        shown.add_row(printable(name), *("-" if text is None else text for text in pair))
+    yield shown
+    if len(found) > MOST_SETTINGS:
+        yield f"and {len(found) - MOST_SETTINGS} more settings: --json shows all"
+
+
+def remarks(runs: Mapping[str, Recorded]) -> Iterator[str]:
+    """What to know of each run before its numbers are compared."""
+    for name, run in runs.items():
+        if run.notes.verdict:
+            yield f"{name}: NOT TO BE USED: {run.notes.verdict}"
+        yield from (f"{name}: warning: {text}" for text in run.notes.warnings)
+
+
 def facts(found: Comparison) -> dict[str, Any]:
     """The comparison as data for scripts: values in SI."""
     return {
+        "settings": found.settings,
         "begin": found.begin,
         "end": found.end,
         "metrics": {

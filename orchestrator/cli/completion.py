@@ -60,6 +60,16 @@ def start_values(ctx: typer.Context, incomplete: str) -> list[tuple[str, str]]:
     return []
 
 
+def results(incomplete: str) -> list[str]:
+    """Names of the results in the folder of results, and result files of the folder typed."""
+    folder = Path(incomplete).parent
+    with suppress(OSError):
+        names = sorted(path.stem for path in Path("results").glob("*.nc"))
+        files = sorted(str(path) for path in folder.glob("*.nc"))
+        return _beginning(incomplete, dict.fromkeys([*names, *files]))
+    return []
+
+
 def parts(ctx: typer.Context, incomplete: str) -> list[str]:
     """Names of the built parts."""
     from ..scenario.library import LIBRARY, located, part_names

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ..errors import InputError
-from . import common
+from . import common, completion
 from .command_list import RESULTS
 from .result_kinds import runs_or_sweeps
 
@@ -20,7 +20,11 @@ def add_to(app: typer.Typer) -> None:
 
 def plot(
     results: Annotated[
-        list[Path], typer.Argument(help="A result, whole or partial; several runs or sweeps.")
+        list[Path],
+        typer.Argument(
+            help="A result by name or path, whole or partial; several runs or sweeps.",
+            autocompletion=completion.results,
+        ),
     ],
     variables: common.Variables = None,
     cycles: Annotated[
@@ -36,7 +40,7 @@ def plot(
     lines over one axis. Over two axes a sweep becomes a heat map, two the heat map of their
     difference.
 
-    Example: resilin plot results/flapping-full-wings.nc --variable "linkage.*_energy"
+    Example: resilin plot flapping-full-wings --variable "linkage.*_energy"
     """
     from ..report.image import check_plot
     from ..results.plot import CYCLES, overlay
@@ -44,13 +48,14 @@ def plot(
     with common.reported():
         if output is not None:
             check_plot(output)
-        target = output or results[0].with_name(f"{'-'.join(p.stem for p in results)}.png")
-        runs, sweeps = runs_or_sweeps(results)
+        found = [common.result_file(each) for each in results]
+        target = output or found[0].with_name(f"{'-'.join(p.stem for p in found)}.png")
+        runs, sweeps = runs_or_sweeps(found)
         if sweeps:
             from ..studies.sweep.plot import overlay as overlay_sweeps
 
             if cycles is not None:
-                raise InputError(f"--cycles: {results[0]} is a sweep, which has no time")
+                raise InputError(f"--cycles: {found[0]} is a sweep, which has no time")
             drawn = overlay_sweeps(sweeps, target, variables)
         else:
             drawn = overlay(runs, target, variables, CYCLES if cycles is None else cycles)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..errors import printable
-from . import common
+from . import common, completion
 from .command_list import RESULTS
 
 
@@ -18,17 +19,23 @@ def add_to(app: typer.Typer) -> None:
 
 
 def results(
-    folder: Annotated[Path, typer.Argument(help="Folder of results.")] = common.RESULTS,
+    folder: Annotated[
+        Path,
+        typer.Argument(
+            help="Folder of results, or the name of one.", autocompletion=completion.results
+        ),
+    ] = common.RESULTS,
     json: common.Json = False,
 ) -> None:
-    """List the results in a folder, the newest first.
+    """List the results in a folder, the newest first, with what was changed against the scenario.
 
     Example: resilin results
     """
-    from ..results.listing import results_in
+    from ..results.listing import entry_of, results_in
 
     with common.reported():
-        found = results_in(folder)
+        listed = folder.is_dir() or folder == common.RESULTS
+        found = results_in(folder) if listed else [entry_of(common.result_file(folder))]
     if json:
         common.print_json(
             [
@@ -39,6 +46,7 @@ def results(
                     "extent": entry.extent,
                     "written": entry.written.isoformat(timespec="seconds"),
                     "bytes": entry.size,
+                    **asdict(entry.notes),
                 }
                 for entry in found
             ]
@@ -56,7 +64,13 @@ def results(
     table.add_column("holds", no_wrap=True)
     table.add_column("written", no_wrap=True)
     for name, entry in zip(names, found, strict=True):
-        title = f"\n{printable(entry.title)}" if entry.title else ""
-        holds = f"{entry.kind}\n{entry.extent}"
-        table.add_row(Text(f"{name}{title}"), holds, f"{entry.written:%d %b %H:%M}")
+        notes = entry.notes
+        lines = [name]
+        lines += [printable(entry.title)] * bool(entry.title)
+        lines += [f"with {notes.changed}"] * bool(notes.changed)
+        lines += [f"NOT TO BE USED: {notes.verdict}"] * bool(notes.verdict)
+        holds = [entry.kind, entry.extent]
+        if notes.warnings:
+            holds.append(f"{len(notes.warnings)} warning" + "s" * (len(notes.warnings) != 1))
+        table.add_row(Text("\n".join(lines)), "\n".join(holds), f"{entry.written:%d %b %H:%M}")
     common.console().print(table)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import asdict
 from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -62,6 +63,7 @@ def run(
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz"
     """
     from ..report.page import check_page
+    from ..results.accuracy import meaningless
     from ..results.kept_aside import keep_other
     from ..results.netcdf import (
         check_target,
@@ -71,7 +73,6 @@ def run(
         segments_for,
         write,
     )
-    from ..simulation.accuracy import meaningless
     from ..simulation.interrupt import Interrupt
     from ..simulation.load import load
     from ..simulation.run import run as run_plan
@@ -196,6 +197,8 @@ def _drawn(data: Recorded, written: Path) -> Path | None:
 
 def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> dict[str, Any]:
     """The report of a run as data for scripts."""
+    from ..results.run_notes import notes_of
+
     estimates = outcome.estimates or {}
     return {
         "title": outcome.plan.scenario.title,
@@ -214,6 +217,7 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
         "estimated_relative_error": {name: e.relative for name, e in estimates.items()},
         "no_estimate": outcome.doubt,
         "not_estimated": outcome.unseen,
+        **asdict(notes_of(outcome)),
         "coupling_energies": {
             name: {"created": created, "exchanged": exchanged}
             for name, (created, exchanged) in outcome.couplings.items()
@@ -234,11 +238,14 @@ def _report(
     from rich.text import Text
 
     from ..errors import printable
-    from ..simulation.accuracy import accuracy
-    from ..simulation.summary import warnings
+    from ..results.accuracy import accuracy
+    from ..results.run_notes import notes_of
 
     console = common.console()
-    title = Text(printable(outcome.plan.scenario.title))
+    notes = notes_of(outcome)
+    named = [printable(outcome.plan.scenario.title)]
+    named += [f"with {notes.changed}"] * bool(notes.changed)
+    title = Text("\n".join(named))
     table = Table(title=title, title_justify="left")
     table.add_column("metric")
     table.add_column("value", justify="right")
@@ -264,9 +271,9 @@ def _report(
         console.print(stated, highlight=False, soft_wrap=True)
     if verbose:
         _print_details(console, outcome)
-    for dropped in outcome.plan.dropped:
+    for dropped in notes.dropped:
         console.print(Text(f"dropped: {printable(dropped, most=200)}"), soft_wrap=True)
-    for line in warnings(outcome):
+    for line in notes.warnings:
         console.print(Text(f"warning: {line}"), soft_wrap=True)
     for label, path in (("result:", written), ("plot:  ", drawn), ("page:  ", report)):
         if path is not None:
@@ -278,7 +285,7 @@ def _print_details(console: Console, outcome: Outcome) -> None:
     """Print errors, energies, calls and messages of each instance, and how the loop ran."""
     from rich.text import Text
 
-    from ..simulation.summary import couplings, errors
+    from ..results.summary import couplings, errors
 
     if outcome.estimates is not None:
         console.print(errors(outcome))

@@ -7,10 +7,10 @@ from math import ceil, floor, log10
 import numpy as np
 
 from ..errors import printable
-from ..results.outcome import Outcome
 from ..scenario.plan import Plan, usual
 from ..scenario.schema import PerCycle
 from ..units import UnitError, in_base
+from .outcome import Outcome
 
 INACCURATE = 0.01
 """Estimated error of a leading variable, by its largest value, from which on a run warns."""

@@ -9,6 +9,7 @@ from ..report.notebook import LONGEST, Card
 from ..report.table import Cell, Column, Table, quantity
 from .metrics import Metric, metrics
 from .outcome import Outcome
+from .run_notes import notes_of
 
 
 def card(outcome: Outcome) -> Card:
@@ -21,14 +22,17 @@ def card(outcome: Outcome) -> Card:
 def _lines(outcome: Outcome) -> Iterator[str]:
     if outcome.failure is not None:
         yield f"stopped: {printable(str(outcome.failure), most=LONGEST)}; {outcome.kept} rows kept"
+    notes = notes_of(outcome)
+    if notes.changed:
+        yield f"with {notes.changed}"
+    if notes.verdict:
+        yield f"NOT TO BE USED: {notes.verdict}"
     yield pace(outcome)
-    for place, text in outcome.unseen.items():
-        yield f"{printable(place)}: {printable(text, most=LONGEST)}"
+    yield from (f"warning: {text}" for text in notes.warnings)
+    yield from (f"dropped: {text}" for text in notes.dropped)
     for name, changes in outcome.texts.items():
         last = printable(changes[-1][1]) if changes else ""
         yield f"{printable(name)}: {len(changes)} texts, the last {last!r}"
-    if outcome.doubt:
-        yield f"no error estimate: {printable(outcome.doubt, most=LONGEST)}"
 
 
 def pace(outcome: Outcome) -> str:

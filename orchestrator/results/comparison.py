@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from math import isfinite, nan
+from math import isclose, isfinite, nan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, nearest, printable
-from ..units import UnitError, factor
+from ..units import UnitError, factor, si_value
 from .metrics import Metric, metrics
 from .recorded import Recorded
 from .texts import texts_at
@@ -64,6 +65,10 @@ class MetricPair:
         return rise / abs(self.one.value) if self.one.value else (0.0 if rise == 0.0 else nan)
 
 
+SettingPairs = dict[str, tuple[str | None, str | None]]
+"""Settings by name that are not alike; None where a scenario leaves one as the FMU has it."""
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Two runs: metrics, differences with the largest relative one first, and what only one has."""
@@ -75,6 +80,7 @@ class Comparison:
     texts: list[TextDifference]
     missing: tuple[list[str], list[str]]
     """Variables that the first run lacks, and the second one."""
+    settings: SettingPairs
 
 
 def compared(
@@ -110,6 +116,7 @@ def compared(
         found,
         [_text_difference(one, other, name, begin, end) for name in texts if name in wanted],
         (missing[0], missing[1]),
+        differing(one.settings, other.settings),
     )
 
 
@@ -122,6 +129,25 @@ def chosen(common: Sequence[str], patterns: Sequence[str] | None) -> list[str]:
                 f" {nearest(pattern, common)}"
             )
     return [n for n in common if not patterns or any(fnmatchcase(n, p) for p in patterns)]
+
+
+def differing(one: Mapping[str, str], other: Mapping[str, str]) -> SettingPairs:
+    """Settings that are not alike in two results; none where one of them keeps no settings."""
+    if not (one and other):
+        return {}
+    pairs = {name: (one.get(name), other.get(name)) for name in dict.fromkeys([*one, *other])}
+    return {name: pair for name, pair in pairs.items() if not _alike(*pair)}
+
+
+def _alike(one: str | None, other: str | None) -> bool:
+    """Whether two texts mean the same: `0.1 ms` and `0.0001 s` do."""
+    if one is None or other is None or one == other:
+        return one == other
+    unit = re.sub(r"^[-+.\deE]*", "", other).strip() or "1"
+    try:
+        return isclose(si_value(one, unit), si_value(other, unit), rel_tol=1e-9)
+    except UnitError:
+        return False
 
 
 def _pairs(one: Recorded, other: Recorded) -> Iterator[MetricPair]:

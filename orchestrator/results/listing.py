@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
 from ..errors import InputError
 from .netcdf import netcdf_name
 from .recorded import is_sweep
+from .run_notes import RunNotes, read
 
 
 @dataclass(frozen=True)
@@ -22,17 +23,19 @@ class Entry:
     extent: str
     written: datetime
     size: int
+    notes: RunNotes = field(default_factory=RunNotes)
 
 
 def results_in(folder: Path) -> list[Entry]:
     """Results of a folder, the newest first; `InputError` where there is no such folder."""
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; resilin run makes results")
-    found = [_entry(path) for path in folder.glob("*.nc") if path.is_file()]
+    found = [entry_of(path) for path in folder.glob("*.nc") if path.is_file()]
     return sorted(found, key=lambda entry: (-entry.written.timestamp(), entry.path))
 
 
-def _entry(path: Path) -> Entry:
+def entry_of(path: Path) -> Entry:
+    """What one file holds, read as far as it can be."""
     import netCDF4
 
     status = path.stat()
@@ -53,4 +56,4 @@ def _entry(path: Path) -> Entry:
         kind, extent = "run", f"{sizes.get('time', 0)} rows to {end:.4g} s"
     if not noted.get("complete", 1):
         kind = "partial"
-    return Entry(path, kind, title, extent, written, status.st_size)
+    return Entry(path, kind, title, extent, written, status.st_size, read(noted))

@@ -24,6 +24,7 @@ from ..extras import require
 from ..report.files import check_place, make_folder, written_whole
 from ..scenario.files import is_file
 from ..scenario.plan import Plan
+from . import run_notes
 from .segments import Column, Segments, assemble, clear_of_nothing, folder_of, found, taken
 
 if TYPE_CHECKING:
@@ -109,6 +110,7 @@ def provenance(plan: Plan) -> dict[str, Any]:
         "communication_step": plan.grid.step,
         "frequency": plan.frequency or 0.0,
         "texts": json.dumps(plan.text_names),
+        **run_notes.attributes_of(plan),
     }
 
 
@@ -128,6 +130,7 @@ def attributes(outcome: Outcome) -> dict[str, Any]:
         "communication_loop": f"python: {outcome.python_loop}"
         if outcome.python_loop
         else "compiled",
+        **run_notes.attributes(outcome),
         "complete": int(outcome.failure is None),
         "reason": str(outcome.failure or ""),
     }

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from fnmatch import fnmatchcase
 from itertools import cycle
 from math import inf
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +26,8 @@ CYCLES = 5.0
 MOST_POINTS = 20_000
 MOST_ON_PAGE = 2000
 """Points of a curve on a page: more than a screen has columns."""
+WIDTH = 90
+"""Characters of a line above a plot."""
 STYLES = ("-", "--", ":", "-.")
 """Lines of the runs that are drawn over each other."""
 
@@ -80,8 +83,22 @@ def overlay(
         if len(names) * len(runs) > 1:
             axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axes[-1, 0].set_xlabel("Time (s)")
-    figure.suptitle(plain(first.title if len(runs) == 1 else ", ".join(runs)))
+    figure.suptitle("\n".join(map(plain, _headings(runs))))
     return save_figure(figure, path, 110)
+
+
+def _headings(runs: Mapping[str, Recorded]) -> Iterator[str]:
+    """Titles, what was changed against the scenario, and which runs are not to be used."""
+    if len(runs) > 1:
+        yield ", ".join(runs)
+    for name, run in runs.items():
+        of = f"{name}: " if len(runs) > 1 else ""
+        if not of:
+            yield run.title
+            if run.notes.changed:
+                yield from wrap(f"with {run.notes.changed}", WIDTH)
+        if run.notes.verdict:
+            yield from wrap(f"NOT TO BE USED: {of}{run.notes.verdict}", WIDTH)
 
 
 def panels_of(

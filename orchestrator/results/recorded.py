@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from ..errors import InputError, RecordingError, printable
 from ..scenario.files import is_file
 from .outcome import Outcome
-from .scenario_attribute import scenario_table
+from .run_notes import RunNotes, notes_of, read
+from .scenario_attribute import scenario_table, settings
 from .texts import Change, changes_of
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ class Recorded:
 
     `frequency` [Hz] is that of the drive, 0 without one; `metrics` and `plot` are the scenario's
     own tables; `metric_errors` are estimated, in SI. `texts` holds the changes of what was recorded
-    that is no number, and is not among the series.
+    that is no number, and is not among the series. `settings` are those that a file keeps of its
+    run.
     """
 
     times: Values
@@ -49,6 +51,8 @@ class Recorded:
     plot: Mapping[str, Any] | None = None
     metric_errors: Mapping[str, float] = field(default_factory=dict)
     texts: Mapping[str, Sequence[Change]] = field(default_factory=dict)
+    notes: RunNotes = field(default_factory=RunNotes)
+    settings: Mapping[str, str] = field(default_factory=dict)
 
 
 def recorded(source: Recorded | Outcome | xarray.Dataset) -> Recorded:
@@ -74,6 +78,7 @@ def _of_outcome(outcome: Outcome) -> Recorded:
         plot=dict(scenario.plot),
         metric_errors=outcome.metric_errors,
         texts=outcome.texts,
+        notes=notes_of(outcome),
     )
 
 
@@ -94,6 +99,8 @@ def _of_dataset(data: xarray.Dataset) -> Recorded:
         texts={
             own: changes_of(times, data[name].values) for name, own in named.items() if own in texts
         },
+        notes=read(data.attrs),
+        settings=settings(data.attrs),
     )
 
 
@@ -182,4 +189,6 @@ def _of_file(path: Path, file: BinaryFile, most: int) -> Recorded:
             for k, column in enumerate(file.texts)
             if column.name in texts and column.rows == rows
         },
+        notes=read(file.attributes),
+        settings=settings(file.attributes),
     )

@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import printable
-from ..results.outcome import Outcome
-from ..results.run_warning import RunWarning
 from .accuracy import INACCURATE, MEANINGLESS, largest_error, remedy, still
-from .energy_audit import LIMIT
+from .outcome import Outcome
+from .run_warning import RunWarning
 
 if TYPE_CHECKING:
     from rich.table import Table
 
+LIMIT = 0.01
+"""Share of the energy exchanged above which a coupling is worth a warning."""
 MOST_FINDINGS = 3
 """Findings of one FMU that a run shows."""
 LEAST_ROWS = 10

@@ -47,8 +47,9 @@ class Plan:
     `limits` holds outside the master's process; `keep_from` is the time [s] from which rows are
     kept; `step_reason` is the reason for the step where the scenario left it open. `recordings`
     take the place of parts; `dropped` lists what the scenario loses by that, and by other FMUs in
-    the place of those of a base scenario. `digests` are the SHA-256 of the components' files, taken
-    when they were checked. `texts` are the String variables that are recorded beside `records`.
+    the place of those of a base scenario; `changes` are the settings given beside its file.
+    `digests` are the SHA-256 of the components' files, taken when they were checked. `texts` are
+    the String variables that are recorded beside `records`.
     """
 
     scenario: Scenario
@@ -68,6 +69,7 @@ class Plan:
     step_reason: str = ""
     recordings: dict[str, Recording] = field(default_factory=dict)
     dropped: list[str] = field(default_factory=list)
+    changes: dict[str, str] = field(default_factory=dict)
     digests: dict[str, str] = field(default_factory=dict)
     texts: list[tuple[str, Variable]] = field(default_factory=list)
 

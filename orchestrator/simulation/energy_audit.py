@@ -24,8 +24,6 @@ from . import port_laws
 from .coupled_instance import CoupledInstance
 from .system import System
 
-LIMIT = 0.01
-"""Share of the energy exchanged above which a coupling is worth a warning."""
 CHECKED = 4
 SPANS = (8, 16, 32, 64, 128, 256, 512, 1024, 2048)
 BRIEF = 60

@@ -11,6 +11,7 @@ from ..scenario.library import LIBRARY
 from ..scenario.parse import load_scenario
 from ..scenario.plan import Plan, check
 from ..scenario.schema import AUTO, MasterSettings, Scenario
+from ..scenario.settings import given
 from .masters import master_class
 
 
@@ -25,7 +26,8 @@ def load(
     `options` override single keys of a scenario's tables, as `time={"tolerance": 1e-3}`.
     Raises `ScenarioError` with every problem.
     """
-    return planned(*load_scenario(scenario, changes, **options), library)
+    plan = planned(*load_scenario(scenario, changes, **options), library)
+    return replace(plan, changes=given(changes, options))
 
 
 def unloaded(

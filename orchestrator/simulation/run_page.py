@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tempfile
 from collections.abc import Iterator, Sequence
+from math import isnan
 from pathlib import Path
 
 from ..errors import printable
@@ -12,15 +13,15 @@ from ..report.page import Notes, Page, Part, Section, Words
 from ..report.picture import Picture
 from ..report.plot import Axis, Curve, Figure, Plot
 from ..report.table import Cell, Column, Table, quantity
+from ..results.accuracy import accuracy
 from ..results.card import metrics_table, pace
 from ..results.metrics import Metric
 from ..results.netcdf import provenance, release
 from ..results.outcome import Outcome
 from ..results.plot import CYCLES, panels_of
 from ..results.recorded import Recorded
+from ..results.run_notes import RunNotes, notes_of
 from ..scenario.plan import Plan
-from .accuracy import accuracy
-from .summary import warnings
 
 LONGEST = 300
 """Characters of a foreign text that a page shows."""
@@ -29,7 +30,10 @@ LONGEST = 300
 def page(outcome: Outcome, data: Recorded, metrics: Sequence[Metric]) -> Page:
     """The report of a whole run; `data` are its recorded series."""
     plan = outcome.plan
+    notes = notes_of(outcome)
     sections = [
+        Section("trust", "Before trusting the numbers", _listed(notes.warnings)),
+        Section("dropped", "What the scenario has lost", _listed(notes.dropped)),
         Section("metrics", "Metrics", list(_metrics(outcome, metrics))),
         Section("plots", "Plots", list(_plots(data))),
         Section("system", "System", [_diagram(plan), _components(outcome)]),
@@ -43,16 +47,27 @@ def page(outcome: Outcome, data: Recorded, metrics: Sequence[Metric]) -> Page:
         ("Laws", plan.scenario.master.laws),
     ]
     title = printable(plan.scenario.title, most=LONGEST) or plan.path.stem
-    return Page(title, f"{pace(outcome)}.", [each for each in sections if each.parts], facts)
+    lead = [f"With {notes.changed}."] * bool(notes.changed) + [f"{pace(outcome)}."]
+    shown = [each for each in sections if each.parts]
+    return Page(title, " ".join(lead), shown, facts, list(_alarms(notes, metrics)))
+
+
+def _alarms(notes: RunNotes, found: Sequence[Metric]) -> Iterator[str]:
+    """Why the numbers are not to be used."""
+    if notes.verdict:
+        yield f"Not to be used: {notes.verdict}"
+    wrong = [printable(metric.name, most=LONGEST) for metric in found if isnan(metric.value)]
+    if wrong:
+        yield f"Without a value: {', '.join(wrong)}"
+
+
+def _listed(texts: Sequence[str]) -> list[Part]:
+    return [Notes(texts)] if texts else []
 
 
 def _metrics(outcome: Outcome, found: Sequence[Metric]) -> Iterator[Part]:
     if found:
         yield metrics_table(found, errors=outcome.estimates is not None)
-    told = [printable(str(line), most=LONGEST) for line in warnings(outcome)]
-    if told:
-        yield Words(("Before trusting the numbers:",))
-        yield Notes(told)
 
 
 def _plots(data: Recorded) -> Iterator[Part]:
@@ -118,8 +133,8 @@ def _accuracy(outcome: Outcome) -> Iterator[Part]:
                  quantity(found.relative, f"{found.relative:.1e}")]
             )  # fmt: skip
         columns = [
-            Column("Variable"), Column("Estimated error", number=True),
-            Column("Of its largest value", number=True),
+            Column("Variable"), Column("Error", number=True),
+            Column("Of its largest", number=True),
         ]  # fmt: skip
         yield Table("Estimated errors, by half the step", columns, rows)
     if outcome.couplings:

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.results.accuracy import INACCURATE, largest_error, meaningless
 from orchestrator.results.outcome import Outcome
+from orchestrator.results.summary import warnings
 from orchestrator.scenario.files import scenario_names
 from orchestrator.scenario.plan import Plan
-from orchestrator.simulation.accuracy import INACCURATE, largest_error, meaningless
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
-from orchestrator.simulation.summary import warnings
 from orchestrator.studies.precision.method import own, with_step
 from orchestrator.studies.reference.solution import errors
 from tests.foreign.scenarios import Shelf, masses, populations, ring

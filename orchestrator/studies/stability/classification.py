@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from ...results.accuracy import MEANINGLESS
 from ...results.outcome import Outcome
-from ...simulation.accuracy import MEANINGLESS
+from ...results.summary import warnings
 from ...simulation.run import estimated
-from ...simulation.summary import warnings
 
 ACCURATE = 1e-2
 """Largest relative error of the leading variables of a run that counts as accurate."""

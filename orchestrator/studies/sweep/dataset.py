@@ -13,6 +13,7 @@ import numpy as np
 from ...errors import InputError
 from ...report.files import written_whole
 from ...results.netcdf import netcdf_name, opened_file, partial_path, provenance
+from ...scenario.settings import given
 from .metric_units import shown_units
 from .points import Grid, Point, Record
 
@@ -117,6 +118,7 @@ def described(grid: Grid, refined: str | None = None) -> dict[str, Any]:
         | {
             "scenario": known["scenario"],
             "first_point": json.dumps(dict(zip(first.names, first.values, strict=True))),
+            "changes": json.dumps(given(grid.setting.changes, grid.setting.options)),
             "axes": json.dumps([axis.name for axis in grid.coordinates]),
             "points": hashlib.sha256(keys.encode()).hexdigest()[:32],
         }

@@ -85,6 +85,28 @@ def test_compare_shows_metrics_and_differences(two: Path) -> None:
     assert resilin("compare", pair[0], pair[0]).exit_code == 2
 
 
+def test_what_was_changed_is_shown(two: Path) -> None:
+    """Beside the title, and between two results, whose equal settings are not listed."""
+    rows = " ".join(resilin("results").stdout.replace("│", " ").split())
+    assert "payload.mass = 0.7 g" in rows and "time.stop = 4 cycles" in rows
+    facts = json.loads(resilin("compare", "oscillator-1", "heavy", "--json").stdout)
+    assert facts["settings"] == {"payload.mass": ["0.603 g", "0.7 g"]}
+    shown = resilin("compare", "oscillator-1", "heavy").stdout
+    assert "│ payload.mass │ 0.603 g      │ 0.7 g │" in shown
+
+
+def test_results_are_found_by_name(two: Path) -> None:
+    (listed,) = json.loads(resilin("results", "heavy", "--json").stdout)
+    assert listed["result"] == "results/heavy.nc"
+    assert resilin("plot", "heavy", "oscillator-1.nc").exit_code == 0
+    assert (two / "heavy-oscillator-1.png").is_file()
+    for command in (("compare", "heavy"), ("plot",), ("results",)):
+        for wrong in ("havy", "results/havy.nc"):
+            refused = resilin(*command, wrong)
+            assert refused.exit_code == 2
+            assert refused.stderr == f"resilin: {wrong}: no such result; did you mean 'heavy'?\n"
+
+
 def test_texts_are_compared(desk: Path) -> None:
     times = np.linspace(0.0, 1.0, 11)
     for name, moment in (("a", 0.35), ("b", 0.55)):

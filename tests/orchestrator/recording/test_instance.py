@@ -17,13 +17,13 @@ from orchestrator.recording.instance import RecordingInstance
 from orchestrator.recording.recording import open_recording
 from orchestrator.results.outcome import Outcome
 from orchestrator.results.port_recording import with_recorded_ports, write_port_recording
+from orchestrator.results.summary import warnings
 from orchestrator.scenario.inspection import facts
 from orchestrator.scenario.parse import load_scenario
 from orchestrator.scenario.schema import Component
 from orchestrator.simulation.load import load
 from orchestrator.simulation.masters import MASTERS
 from orchestrator.simulation.run import run
-from orchestrator.simulation.summary import warnings
 from orchestrator.simulation.system import System
 from tests.conftest import Runner
 from tests.foreign.scenarios import Shelf, level_control

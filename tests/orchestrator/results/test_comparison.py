@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import InputError
-from orchestrator.results.comparison import compared
+from orchestrator.results.comparison import compared, differing
 from orchestrator.results.recorded import Recorded
 from orchestrator.results.texts import Change
 
@@ -71,6 +71,15 @@ def test_what_only_one_has_is_listed() -> None:
     assert [each.name for each in found.differences] == ["tank.level"]
     assert found.missing == (["tank.zero", "tank.one"], ["tank.more"])
     assert all(isnan(pair.change) for pair in found.metrics)
+
+
+def test_settings_that_mean_the_same_are_alike() -> None:
+    one = {"a.x": "0.1 ms", "a.y": "18 Hz", "a.z": "square", "a.only": "1"}
+    other = {"a.x": "0.0001 s", "a.y": "16 Hz", "a.z": "sine"}
+    assert differing(one, other) == {
+        "a.y": ("18 Hz", "16 Hz"), "a.z": ("square", "sine"), "a.only": ("1", None),
+    }  # fmt: skip
+    assert differing(one, {}) == {}
 
 
 def saying(*changes: Change, name: str = "mode.text") -> Recorded:

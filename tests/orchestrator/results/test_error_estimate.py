@@ -12,14 +12,14 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
+from orchestrator.results.accuracy import INACCURATE, largest_error, meaningless, still
 from orchestrator.results.error_estimate import BEYOND, estimate, halved, with_estimates
 from orchestrator.results.metrics import metrics
 from orchestrator.results.netcdf import dataset
 from orchestrator.results.outcome import Estimate, Outcome
-from orchestrator.simulation.accuracy import INACCURATE, largest_error, meaningless, still
+from orchestrator.results.summary import warnings
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
-from orchestrator.simulation.summary import warnings
 from tests.conftest import Runner
 from tests.foreign.scenarios import Shelf, populations
 

@@ -9,8 +9,8 @@ import pytest
 
 from orchestrator.errors import ScenarioError
 from orchestrator.fmi.description import read_interface
+from orchestrator.results.summary import warnings
 from orchestrator.simulation.load import load
-from orchestrator.simulation.summary import warnings
 from tests.foreign.rewritten import rewritten
 from tests.foreign.scenarios import (
     Shelf,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import json
+from dataclasses import replace
+from math import nan
 from pathlib import Path
 
 import lxml.html
@@ -12,7 +14,7 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.report.page import rendered
-from orchestrator.results.metrics import metrics
+from orchestrator.results.metrics import Metric, metrics
 from orchestrator.results.outcome import Outcome
 from orchestrator.results.recorded import recorded
 from orchestrator.simulation.load import load
@@ -73,6 +75,21 @@ def test_what_it_was_made_of_is_said(outcome: Outcome, shown: lxml.html.HtmlElem
     assert "amplifier.waveform" in text
     assert "square" in text
     assert "0.24626 N" in text
+
+
+def test_what_to_know_stands_before_the_numbers(outcome: Outcome) -> None:
+    """Warnings, what the scenario has lost, metrics without a value, what was changed."""
+    coupling = {"a -> b": (0.5, 1.0)}
+    plan = replace(outcome.plan, dropped=["wire of <b>"], changes={"amplifier.frequency": "9 Hz"})
+    found = [Metric("top", nan, "m", "nan m")]
+    made = page(replace(outcome, plan=plan, couplings=coupling), recorded(outcome), found)
+    shown = lxml.html.fromstring(rendered(made))
+    assert [part.get("id") for part in shown.iter("section")][:3] == ["trust", "dropped", "metrics"]
+    assert "a -> b creates 50.0%" in shown.get_element_by_id("trust").text_content()
+    assert "wire of <b>" in shown.get_element_by_id("dropped").text_content()
+    assert [part.text_content() for part in shown.find_class("alarm")] == ["Without a value: top"]
+    assert shown.find_class("lead")[0].text_content().startswith("With amplifier.frequency = 9 Hz.")
+    assert not page(outcome, recorded(outcome), []).alarms
 
 
 def test_the_command_writes_it(library: Path, tmp_path: Path) -> None:
