@@ -85,6 +85,7 @@ def remarks(runs: Mapping[str, Recorded]) -> Iterator[str]:
         if run.notes.verdict:
             yield f"{name}: NOT TO BE USED: {run.notes.verdict}"
         yield from (f"{name}: warning: {text}" for text in run.notes.warnings)
+        yield from (f"{name}: dropped: {text}" for text in run.notes.dropped)
 
 
 def facts(found: Comparison) -> dict[str, Any]:

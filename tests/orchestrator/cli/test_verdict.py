@@ -30,7 +30,7 @@ def judged(shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pat
     done = resilin("run", str(path), *place, "--set", "prey.growth=1.4")
     assert done.exit_code == 1 and SAID in done.stderr
     with xarray.open_dataset("results/bad.nc") as data:
-        data.load().assign_attrs(verdict="").to_netcdf("results/good.nc")
+        data.load().assign_attrs(verdict="", dropped='["a wire"]').to_netcdf("results/good.nc")
     return tmp_path
 
 
@@ -48,8 +48,9 @@ def test_a_verdict_stands_on_the_page_in_the_file_and_in_lists(judged: Path) -> 
     assert {name: SAID in line for name, line in lines.items()} == {"bad": True, "good": False}
     assert all("with prey.growth = 1.4" in line for line in lines.values())
     compared = resilin("compare", "good", "bad").stdout
-    first = compared.partition("\n")[0]
-    assert first.startswith("bad: NOT TO BE USED: ") and SAID in first
+    first, second, *_ = compared.splitlines()
+    assert first == "good: dropped: a wire"
+    assert second.startswith("bad: NOT TO BE USED: ") and SAID in second
     assert "settings that differ" not in compared
     facts = json.loads(resilin("compare", "good", "bad", "--json").stdout)
     assert SAID in facts["notes"]["bad"]["verdict"] and not facts["notes"]["good"]["verdict"]
