@@ -132,10 +132,12 @@ def _report(found: Identified, files: list[Path]) -> None:
     from rich.text import Text
 
     from ..errors import printable
-    from ..studies.identification.table import outputs, parameters, remarks
+    from ..studies.identification.table import objections, outputs, parameters, remarks
 
     console = common.console()
     console.print(parameters(found))
+    for line in objections(found):
+        console.print(Text(line, style="bold red"), soft_wrap=True)
     console.print(outputs(found))
     for line in remarks(found):
         console.print(Text(f"remark: {line}"), soft_wrap=True)

@@ -60,8 +60,9 @@ def case_of(path: Path, asked: Asked, library: Path = LIBRARY) -> Case:
     """A recording that drives parts, and is compared with what they put out.
 
     Without a scenario there is one part, a built one or a path to an FMU, and columns have the
-    names of its variables. With a scenario the parts are components of it, the recording replaces
-    all others, and columns are called `component.variable`. `keys` are those of a recorded
+    names of its variables. With a scenario the parts are components of it and step in its order,
+    the recording replaces all others, and columns are called `component.variable`. `keys` are those
+    of a recorded
     component, `hold` gives inputs that were not recorded, `changes` start values; `outputs` are
     patterns of the recorded outputs that count, by default all but the slopes and curvatures of
     laws. Communication points are the rows of the recording, or every `step` [s].
@@ -145,7 +146,10 @@ def _within(asked: Asked, component: Component, recording: Recording) -> tuple[S
                 f"--part {printable(part)}: not a component of {asked.scenario};"
                 f" {nearest(part, scenario.components)}"
             )
-    kept = {part: scenario.components[part] for part in asked.parts}
+    kept = {name: part for name, part in scenario.components.items() if name in asked.parts}
+    order = [name for name in scenario.master.order if name in kept]
+    if order:
+        order.insert(0, RECORDED)
     hold = {k: v for k, v in scenario.hold.items() if k.partition(".")[0] in kept}
     hold |= asked.hold or {}
     columns = recording.interface.variables
@@ -174,7 +178,7 @@ def _within(asked: Asked, component: Component, recording: Recording) -> tuple[S
         update={
             "components": {RECORDED: component, **kept}, "wires": wires, "hold": hold,
             "actions": [], "faults": [], "without": [], "metrics": Metrics(), "plot": {},
-            "master": scenario.master.model_copy(update={"order": []}),
+            "master": scenario.master.model_copy(update={"order": order}),
             "time": Time(frequency=recording.frequency or scenario.time.frequency),
         }
     ), place  # fmt: skip

@@ -33,6 +33,10 @@ from .parameter import Unknown
 Values = NDArray[np.float64]
 NUDGE = 1e-4
 """Change of a parameter, of its scale, for derivatives by central differences."""
+LITTLE = 0.9
+"""Explained share below which an output whose residuals are not noise was not met."""
+COARSE = 0.1
+"""Stepping error, relative to an output's deviation, above which the step decides the answer."""
 HOPELESS = 1e3
 """Residual, in sizes of the recorded output, where the parts stop at some parameters."""
 
@@ -95,6 +99,27 @@ class Identified:
         spread = ((rows - rows.mean(axis=0)) ** 2).mean(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(1.0 - self.sizes**2 / spread)
+
+    @property
+    def missed(self) -> NDArray[np.bool_]:
+        """Outputs of which little is explained although noise is not the reason."""
+        left = (self.recorded - self.simulated)[self.counted]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            alike = np.abs((left[1:] * left[:-1]).sum(axis=0)) / (left**2).sum(axis=0)
+            little = self.shares < LITTLE
+        return np.asarray(self.varies & little & (alike > 3.0 / sqrt(len(left))))
+
+    @property
+    def coarse(self) -> NDArray[np.bool_]:
+        """Outputs of which the communication step decides a notable share."""
+        deviation = self.recorded[self.counted].std(axis=0)
+        return np.asarray(self.varies & (self.stepping > COARSE * deviation))
+
+    @property
+    def varies(self) -> NDArray[np.bool_]:
+        """Outputs whose recorded values change by more than rounding."""
+        rows = self.recorded[self.counted]
+        return np.asarray(rows.std(axis=0) > 1e-9 * np.abs(rows).max(axis=0))
 
 
 class _Experiment:

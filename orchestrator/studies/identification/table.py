@@ -54,8 +54,25 @@ def outputs(found: Identified) -> Table:
     return made
 
 
+def objections(found: Identified) -> Iterator[str]:
+    """Reasons for which the fitted values are no result, a line each."""
+    for k, (_, own) in enumerate(found.case.pairs):
+        if found.coarse[k]:
+            yield (
+                f"not a result: half the communication step moves {own} by"
+                f" {found.stepping[k]:.2g} {found.case.units[k]}, the step decides these values;"
+                " take more rows or a smaller --step"
+            )
+        if found.missed[k]:
+            yield (
+                f"not a result: the parts explain {100 * found.shares[k]:.0f} % of {own}, and"
+                " noise is not the reason; do not rely on these values: look at the parts, their"
+                " other parameters and the start values"
+            )
+
+
 def remarks(found: Identified) -> Iterator[str]:
-    """Reasons against taking the numbers as they are."""
+    """Reasons against taking the numbers as they are, beside :func:`objections`."""
     for name in found.at_bounds:
         yield (
             f"{name} has gone to the end of its range: the best value is beyond, or the data do not"
@@ -82,7 +99,8 @@ def remarks(found: Identified) -> Iterator[str]:
             f" {found.widened:.1f} times wider for it, and hold for coloured noise only"
         )
     for k, (_, own) in enumerate(found.case.pairs):
-        if found.stepping[k] > NOTABLE * max(found.sizes[k], 1e-300) and found.stepping[k] > 0.0:
+        least = NOTABLE * max(found.sizes[k], 1e-300)
+        if found.stepping[k] > least and not found.coarse[k]:
             share = found.stepping[k] / np.abs(found.simulated[:, k]).max(initial=1e-300)
             if share > 1e-6:
                 yield (
@@ -125,13 +143,18 @@ def page(found: Identified) -> Page:
         ]
         for k, u in enumerate(found.unknowns)
     ]
-    lines = list(remarks(found)) or ["No remark speaks against these numbers."]
+    against = list(objections(found))
+    lines = list(remarks(found)) or ["No further remark." if against else "No remark speaks against"
+                                     " these numbers."]  # fmt: skip
     path = found.case.plan.recordings["recording"].interface.path
     sections = [
-        Section("parameters", "Parameters", [PageTable("Fitted values", columns, rows)]),
+        Section(
+            "parameters", "Parameters",
+            [PageTable("Fitted values", columns, rows), *([Notes(against)] if against else [])],
+        ),
         Section("remarks", "Remarks", [Notes(lines)]),
         Section("curves", "Recorded and fitted", [figure(found)]),
-    ]
+    ]  # fmt: skip
     facts = [("Runs", str(found.runs)), ("Rows", str(int(found.counted.sum())))]
     return Page(f"Fit to {path.name}", f"Intervals hold {100 * found.level:g} % of the time where"
                 " residuals are independent noise on the outputs.", sections, facts)  # fmt: skip
@@ -158,6 +181,7 @@ def facts(found: Identified) -> dict[str, Any]:
             }
             for k, (_, own) in enumerate(found.case.pairs)
         },
+        "objections": list(objections(found)),
         "remarks": list(remarks(found)),
         "rows": int(found.counted.sum()),
         "runs": found.runs,

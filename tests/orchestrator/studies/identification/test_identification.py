@@ -25,7 +25,7 @@ from orchestrator.studies.identification import (
     identify,
     unknowns_of,
 )
-from orchestrator.studies.identification.table import facts, figure, remarks
+from orchestrator.studies.identification.table import facts, figure, objections, remarks
 
 runner = CliRunner()
 TRUTH = {"spring.stiffness": 63.5, "spring.loss_factor": 0.278, "payload.mass": 0.603e-3}
@@ -312,6 +312,51 @@ def test_bad_input_is_reported_in_a_line(
     assert all(line.startswith("resilin: ") for line in errors.strip().splitlines())
     assert not list(tmp_path.glob("**/*.png"))
     assert not list(tmp_path.glob("**/*.html"))
+
+
+@pytest.mark.parametrize("parts", [["spring", "payload"], ["payload", "spring"]])
+@pytest.mark.parametrize("order", ["", 'order = ["amplifier", "payload", "spring"]'])
+def test_parts_step_in_the_order_of_their_scenario(
+    native: Path, tmp_path: Path, oscillation: Path, parts: list[str], order: str
+) -> None:
+    scenario = tmp_path / "mine.toml"
+    scenario.write_text(f'extends = "oscillator-1"\n[master]\n{order}\n')
+    whole = load(scenario, None, native).order
+    asked = replace(OSCILLATOR, parts=parts, scenario=str(scenario))
+    case = case_of(oscillation, asked, native)
+    assert case.plan.order == ["recording", *(name for name in whole if name in parts)]
+
+
+def test_values_that_are_no_result_say_so_below_the_table(
+    native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Little explained of an output that another part has made; noise alone is no objection."""
+    monkeypatch.chdir(tmp_path)
+    pushed(Path("noisy.csv"), 0.2)
+    case = case_of(Path("noisy.csv"), Asked(["payload"], step=2e-3), native)
+    found = identify(case, unknowns_of(["mass"], case.plan, ["payload"]))
+    assert found.shares[0] < 0.9
+    assert not list(objections(found))
+    rows = np.loadtxt(pushed(Path("bench.csv")), delimiter=",", skiprows=1)[::10]
+    rows[:, 2] = 0.01 * np.sin(60.0 * rows[:, 0])
+    head = "time,force.value,displacement"
+    np.savetxt("bench.csv", rows, "%.17g", ",", header=head, comments="")
+    code, output, _ = called(native, *BENCH, "--html", "fit.html", "--output", "f.svg")
+    assert code == 0
+    table, _, rest = output.partition("not a result: the parts explain")
+    assert "fitted" in table
+    assert "explained" not in table
+    assert "do not rely on these values" in rest
+    assert "not a result" in Path("fit.html").read_text()
+
+
+def test_a_step_that_decides_the_values_is_an_objection(native: Path, tmp_path: Path) -> None:
+    """Hardly more than one row for a period of the force: the mass is 15 % too large."""
+    case = case_of(pushed(tmp_path / "bench.csv"), Asked(["payload"], step=0.04), native)
+    found = identify(case, unknowns_of(["mass"], case.plan, ["payload"]))
+    assert found.values[0] > 0.65e-3
+    assert any("the step decides these values" in line for line in objections(found))
+    assert facts(found)["objections"]
 
 
 def test_a_case_names_its_units(native: Path, tmp_path: Path) -> None:
