@@ -73,7 +73,7 @@ Library = Annotated[
     Path,
     typer.Option(
         "--fmus",
-        help="Folder of the built parts; the nearest build/ if not given.",
+        help="Folder of the built parts; the nearest build/ with the part if none.",
         show_default=False,
     ),
 ]
@@ -166,7 +166,7 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
 
 def library(fmus: Path, native: bool | None, scenario: str | Path | None = None) -> Path:
     """Folder in which the parts are found, for a scenario given by its name or path."""
-    from ..scenario.library import NATIVE, PYTHON, is_library, located
+    from ..scenario.library import NATIVE, PYTHON, is_library, located, of_kind
 
     found = located(fmus, None if scenario is None else Path(scenario))
     if native is None:
@@ -177,7 +177,7 @@ def library(fmus: Path, native: bool | None, scenario: str | Path | None = None)
         raise InputError(
             f"{option}: {found} has no folder {kind} beside another kind; leave it out"
         )
-    return found / kind
+    return of_kind(found, kind)
 
 
 def methods(texts: list[str] | None) -> list[Method] | None:

@@ -254,7 +254,7 @@ def interface_of(name: str, scenario: Path, library: Path) -> Interface:
     """
     file = fmu_path(name, scenario, library)
     if not (name.endswith(".fmu") or "/" in name) and not is_file(file):
-        raise FmuError(missing_part(name, file.parent, scenario))
+        raise FmuError(missing_part(name, located(library, scenario), scenario))
     known = read_interface(file)
     if known.ours and not is_built_here(digest_of(file)):
         return replace(known, ours=False, warnings=(NOT_BUILT_HERE, *known.warnings))

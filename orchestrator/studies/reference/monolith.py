@@ -12,8 +12,7 @@ from pathlib import Path
 from ...errors import ScenarioError
 from ...fmi.description import read_interface
 from ...results.outcome import Outcome
-from ...scenario.files import is_file
-from ...scenario.library import LIBRARY, PYTHON, is_library, located
+from ...scenario.library import LIBRARY, PYTHON, folders, is_library, located, of_kind, part_names
 from ...scenario.plan import Plan, check, fmu_path
 from ...scenario.schema import Component, MasterSettings, Metrics, Record, Scenario
 
@@ -60,11 +59,11 @@ def monolithic(plan: Plan, library: Path = LIBRARY) -> Plan:
 def _home(library: Path) -> Path:
     """Folder of the monolith; compiled parts take it from the sibling folder: it is of Python."""
     if is_library(library):
-        return library / PYTHON
-    sibling = library.with_name(PYTHON)
-    if is_file(library / f"{MONOLITH}.fmu") or not is_file(sibling / f"{MONOLITH}.fmu"):
+        return of_kind(library, PYTHON)
+    if MONOLITH in part_names(library):
         return library
-    return sibling
+    siblings = [folder.with_name(PYTHON) for folder in folders(library)]
+    return next((folder for folder in siblings if MONOLITH in part_names(folder)), library)
 
 
 def _renamed(

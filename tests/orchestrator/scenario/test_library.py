@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 import build_fmus
+from orchestrator.cli import common
 from orchestrator.errors import ScenarioError
 from orchestrator.scenario import library as search
-from orchestrator.scenario.library import LIBRARY, built_part, located
+from orchestrator.scenario.library import LIBRARY, built_part, located, part_names
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 
@@ -71,8 +72,14 @@ def test_both_kinds_give_the_same_rows(both: Path) -> None:
 
 def test_a_part_that_was_not_built_is_named_with_its_command(tmp_path: Path) -> None:
     (tmp_path / "fmus").mkdir()
-    with pytest.raises(ScenarioError, match=r"fmus, which holds no FMU; run: resilin build"):
+    with pytest.raises(ScenarioError, match=r"which holds no FMU; run: resilin build") as raised:
         load("oscillator-1", None, tmp_path)
+    assert f"in {tmp_path}," in raised.value.problems[0]
+
+
+def test_a_folder_below_build_that_is_not_there_is_named(elsewhere: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"in build/nowhere, which holds no FMU"):
+        load("oscillator-1", None, Path("build/nowhere"))
 
 
 def project(folder: Path, both: Path) -> Path:
@@ -107,11 +114,12 @@ def test_parts_are_found_from_the_current_folder_upwards_first(
 ) -> None:
     shutil.copytree(both, elsewhere / "build")
     scenario = project(elsewhere / "project", both)
-    assert located(LIBRARY, scenario) == LIBRARY
+    assert built_part("spring", located(LIBRARY, scenario)).parent == LIBRARY / "native"
     below = elsewhere / "other" / "below"
     below.mkdir(parents=True)
     monkeypatch.chdir(below)
-    assert located(LIBRARY, scenario) == elsewhere / "build"
+    found = built_part("spring", located(LIBRARY, scenario))
+    assert found.parent == elsewhere / "build" / "native"
 
 
 def test_parts_are_found_in_the_checkout(
@@ -132,6 +140,34 @@ def test_a_build_without_parts_is_passed_over(
     (elsewhere / "build" / "fmus").mkdir(parents=True)
     scenario = project(tmp_path_factory.mktemp("project"), both)
     assert located(LIBRARY, scenario) == scenario.parents[1] / "build"
+
+
+def test_each_part_is_taken_from_the_nearest_folder_that_has_it(
+    both: Path, elsewhere: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """A part of one's own hides no other, for a run, of one kind alone, and in a process below."""
+    scenario = project(tmp_path_factory.mktemp("project"), both)
+    for kind in ("fmus", "native"):
+        (elsewhere / "build" / kind).mkdir(parents=True)
+        shutil.copyfile(both / kind / "spring.fmu", elsewhere / "build" / kind / "spring.fmu")
+    shutil.copyfile(both / "fmus" / "spring.fmu", elsewhere / "build" / "fmus" / "own.fmu")
+    home = scenario.parents[1] / "build"
+
+    def folders(library: Path) -> list[Path]:
+        plan = load(scenario, None, library)
+        return [plan.interfaces[name].path.parent for name in ("spring", "amplifier", "payload")]
+
+    assert folders(LIBRARY) == [LIBRARY / "native", home / "native", home / "native"]
+    assert folders(common.library(LIBRARY, False, scenario)) == [
+        LIBRARY / "fmus", home / "fmus", home / "fmus",
+    ]  # fmt: skip
+    found = located(LIBRARY, scenario)
+    assert part_names(found) == ["amplifier", "own", "payload", "spring"]
+    absolute = folders(Path(str(found.absolute())))
+    assert absolute == [elsewhere / "build" / "native", home / "native", home / "native"]
+    with pytest.raises(ScenarioError, match="no part 'amplifier' in") as raised:
+        load(scenario, None, elsewhere / "build")
+    assert str(home) not in str(raised.value)
 
 
 def test_a_folder_that_is_named_is_not_looked_for(both: Path, elsewhere: Path) -> None:
