@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import floor
 
 import numpy as np
 
@@ -48,8 +49,9 @@ def automatic_step(plan: Plan) -> AutomaticStep:
     """The coarsest step, by halving from a tenth of a cycle, that is stable and accurate.
 
     Each is tried over the first cycles of the scenario, or over a tenth of its time span where
-    there is no cycle; the distance to the run at half the step estimates its error. Of an accurate
-    one the linear step map, about rest with the drive off, predicts whether the coupling is stable.
+    there is no cycle, and never past its `stop`; the distance to the run at half the step estimates
+    its error. Of an accurate one the linear step map, about rest with the drive off, predicts
+    whether the coupling is stable.
     Raises `ScenarioError` where no step down to 1/163840 of a cycle will do, or where trials stop
     at one and the same time whatever the step, with the last reason.
     """
@@ -94,14 +96,14 @@ def _tried(plan: Plan, step: float) -> Outcome | Exception:
     grid = plan.grid
     span = CYCLES / plan.frequency if plan.frequency else 0.1 * (grid.stop - grid.start)
     stop = min(grid.stop, grid.start + span)
-    count = max(1, round((stop - grid.start) / step))
+    count = max(1, floor((stop - grid.start) / step * (1.0 + 1e-9)))
     scenario = plan.scenario
     recorded = scenario.record.model_copy(update={"every": 1, "last": None})
     timed = scenario.time.model_copy(update={"tolerance": None})
     short = replace(
         plan,
         scenario=scenario.model_copy(update={"record": recorded, "time": timed}),
-        grid=Grid(grid.start, grid.start + count * step, step, count),
+        grid=Grid(grid.start, min(grid.stop, grid.start + count * step), step, count),
         keep_from=-np.inf,
     )
     try:

@@ -14,11 +14,22 @@ STEADY = {"constant", "external"}
 
 
 def quiet(plan: Plan) -> Plan:
-    """The same scenario with its drive off: `amplitude` zero where there is a `frequency` too."""
+    """The same scenario with its drive off: `amplitude` zero where there is a `frequency` too.
+
+    Recordings are zero throughout, as if the run began long after their last row.
+    """
     starts = {name: dict(values) for name, values in plan.starts.items()}
     for name in _having(plan, SOURCE):
         starts[name]["amplitude"] = 0.0
-    return replace(plan, starts=starts, actions=[], faults=[])
+    grid = plan.grid
+    recordings = {
+        name: replace(
+            recording, track=track, after="zero", offset=2.0 * grid.start - grid.stop - track.end
+        )
+        for name, recording in plan.recordings.items()
+        for track in [replace(recording.track, period=0.0, after="zero")]
+    }
+    return replace(plan, starts=starts, actions=[], faults=[], recordings=recordings)
 
 
 def driving(plan: Plan) -> str:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
+from orchestrator.results.outcome import Outcome
 from orchestrator.scenario.parse import load_scenario
+from orchestrator.scenario.plan import Plan
 from orchestrator.simulation.load import load
 from orchestrator.simulation.run import run
 from orchestrator.studies.reference.solution import reference_solution
@@ -58,6 +62,34 @@ def test_no_step_is_found(library: Path, tmp_path: Path) -> None:
     )
     with pytest.raises(ScenarioError, match=r"time.step: no step is found; .*dropped out"):
         load(scenario, None, library)
+
+
+def test_a_recording_is_not_read_past_the_end_of_the_run(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It ends with the run: trials stay within, and in the step map it is a drive at rest."""
+    tried: list[float] = []
+
+    def noted(plan: Plan, **options: Any) -> Outcome:
+        tried.append(plan.grid.stop)
+        return run(plan, **options)
+
+    monkeypatch.setattr("orchestrator.simulation.auto_step.run", noted)
+    t = np.linspace(0.0, 1.06 / 50.0, 213)
+    top = 1000.0 * (np.sin(2.0 * np.pi * 50.0 * t) >= 0.0)
+    head = "time [s],top.voltage [V],bottom.voltage [V]"
+    np.savetxt(
+        tmp_path / "scope.csv", np.column_stack([t, top, 1000.0 - top]), "%.12g", ",",
+        header=head, comments="",
+    )  # fmt: skip
+    scenario = tmp_path / "mine.toml"
+    scenario.write_text(
+        'extends = "oscillator-1"\n[components.amplifier]\ndata = "scope.csv"\n'
+        '[time]\nstep = "auto"\nfrequency = "50 Hz"\nstop = "1.06 cycles"\n'
+    )
+    plan = load(scenario, None, library)
+    assert "spectral radius 0." in plan.step_reason
+    assert max(tried) <= plan.grid.stop
 
 
 def test_instances_of_one_step_size_need_a_step(library: Path, tmp_path: Path) -> None:
