@@ -18,6 +18,8 @@ MARGIN = 0.7
 """Share of it that the step aims at which a warning names."""
 MEANINGLESS = 0.5
 """The same from which on the numbers of a run say nothing."""
+UNRELATED = 1.0
+"""The same from which on a run and that at half its steps have nothing in common."""
 NONE_SEEN = 1e-12
 """The same below which only rounding is left."""
 STILL = 1e-9
@@ -79,9 +81,13 @@ def meaningless(outcome: Outcome) -> str:
 
 
 def remedy(plan: Plan, relative: float) -> str:
-    """The setting that would bring the error of a leading variable below `INACCURATE`."""
-    if relative >= MEANINGLESS:
-        return 'lower the step by far, or let step = "auto" find one'
+    """The setting that would bring the error of a leading variable below `INACCURATE`.
+
+    No order is seen in an error of `UNRELATED` and more, where trials may find a step.
+    """
+    searched = plan.scenario.time.tolerance is None and not (plan.fixed_step or plan.step_reason)
+    if relative >= UNRELATED and searched:
+        return "--step auto finds one that would do"
     first = plan.scenario.master.laws == "held" or usual(plan.connections) == "extrapolated"
     share = (MARGIN * INACCURATE / relative) ** (1.0 if first else 0.5)
     time = plan.scenario.time

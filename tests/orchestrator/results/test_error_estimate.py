@@ -6,13 +6,20 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-from orchestrator.results.accuracy import INACCURATE, largest_error, meaningless, still
+from orchestrator.results.accuracy import (
+    INACCURATE,
+    largest_error,
+    meaningless,
+    remedy,
+    still,
+)
 from orchestrator.results.error_estimate import BEYOND, estimate, halved, with_estimates
 from orchestrator.results.metrics import metrics
 from orchestrator.results.netcdf import dataset
@@ -74,7 +81,7 @@ def test_a_quick_run_is_estimated_unasked(library: Path, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize(
-    ("options", "remedy"),
+    ("options", "named_option"),
     [
         ({"time": {"step": {"per_cycle": 20}}}, "per cycle"),
         ({"time": {"step": "1 ms"}}, " s"),
@@ -82,7 +89,7 @@ def test_a_quick_run_is_estimated_unasked(library: Path, monkeypatch: pytest.Mon
     ],
 )
 def test_an_inaccurate_run_names_the_setting_that_would_do(
-    library: Path, options: dict[str, dict[str, object]], remedy: str
+    library: Path, options: dict[str, dict[str, object]], named_option: str
 ) -> None:
     """The setting that is named brings the error below the bound of the warning."""
     options["master"] = {"laws": "held"}
@@ -91,7 +98,7 @@ def test_an_inaccurate_run_names_the_setting_that_would_do(
     found = [w for w in warnings(done) if w.kind == "estimated error"]
     assert len(found) == 1
     assert found[0].figure == largest_error(done)[1] > INACCURATE
-    assert remedy in found[0].text
+    assert named_option in found[0].text
     named = found[0].text.partition("; --")[2].removesuffix(" would do")
     option, _, value = named.partition(" ")
     value = value.strip('"')
@@ -102,6 +109,19 @@ def test_an_inaccurate_run_names_the_setting_that_would_do(
         time["step"] = {"per_cycle": int(value.split()[0])} if "per" in value else value
     again = run(load("oscillator-1", None, library, **{**options, "time": time}), estimate=True)
     assert largest_error(again)[1] < 1.5 * INACCURATE
+
+
+def test_numbers_that_say_nothing_name_a_step_where_an_order_is_seen(library: Path) -> None:
+    options: dict[str, Any] = {"master": {"laws": "held"}}
+    time = {"stop": "8 cycles", "step": {"per_cycle": 8}}
+    done = run(load("oscillator-1", None, library, time=time, **options), estimate=True)
+    _, named, after = meaningless(done).partition('--step "')
+    assert named
+    time["step"] = {"per_cycle": int(after.split()[0])}
+    again = run(load("oscillator-1", None, library, time=time, **options), estimate=True)
+    assert largest_error(again)[1] < INACCURATE
+    assert remedy(done.plan, 1.2) == "--step auto finds one that would do"
+    assert "per cycle" in remedy(replace(done.plan, step_reason="found by trials"), 1.2)
 
 
 def test_numbers_that_say_nothing_leave_with_an_error(
