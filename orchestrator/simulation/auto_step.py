@@ -7,7 +7,7 @@ from math import floor
 
 import numpy as np
 
-from ..errors import InputError, ResilinError, ScenarioError
+from ..errors import InputError, InstanceFailure, ResilinError, ScenarioError
 from ..results.error_estimate import estimate
 from ..results.outcome import Outcome
 from ..scenario.plan import Plan
@@ -126,11 +126,19 @@ def _distance(plan: Plan, coarse: Outcome, fine: Outcome) -> float:
 
 
 def _radius(plan: Plan, step: float) -> float | None:
-    """Spectral radius of the step map, where the master has one."""
+    """Spectral radius of the step map, where the master has one.
+
+    A source that ends on the way to rest, after the run, is as little an answer.
+    """
     kind = plan.scenario.master.kind
     if kind not in MAPPED:
         return None
     try:
         return step_map(quiet(plan), step).radius(kind)
     except InputError:
+        return None
+    except InstanceFailure as failure:
+        sources = [name for name, known in plan.interfaces.items() if not known.of("input")]
+        if not str(failure).startswith(tuple(f"{name}: " for name in sources)):
+            raise
         return None

@@ -10,9 +10,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import build_fmus
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
+from orchestrator.recording.recording import open_recording
 from orchestrator.results.outcome import Outcome
+from orchestrator.scenario.component_options import component_of
 from orchestrator.scenario.parse import load_scenario
 from orchestrator.scenario.plan import Plan
 from orchestrator.simulation.load import load
@@ -90,6 +93,12 @@ def test_a_recording_is_not_read_past_the_end_of_the_run(
     plan = load(scenario, None, library)
     assert "spectral radius 0." in plan.step_reason
     assert max(tried) <= plan.grid.stop
+    recording = component_of(tmp_path / "scope.csv", "scope", {})
+    build_fmus.build(
+        "replay", alias="scope", recording=open_recording(recording, scenario), into=tmp_path
+    )
+    scenario.write_text(scenario.read_text().replace('data = "scope.csv"', 'fmu = "./scope.fmu"'))
+    assert load(scenario, None, library).grid.step == plan.grid.step, "the same as an FMU"
 
 
 def test_instances_of_one_step_size_need_a_step(library: Path, tmp_path: Path) -> None:
