@@ -22,6 +22,7 @@ def tables(found: Comparison, names: Sequence[str]) -> list[Table]:
     from rich.table import Table
 
     from ..errors import printable
+    from ..report.whole_names import keep_whole
 
     metrics = Table("metric", *map(printable, names), "change", title="metrics")
     for pair in found.metrics:
@@ -32,7 +33,7 @@ def tables(found: Comparison, names: Sequence[str]) -> list[Table]:
         title=f"{printable(names[1])} minus {printable(names[0])},"
         f" {found.begin:.4g} to {found.end:.4g} s"
     )
-    differences.add_column("variable", overflow="fold")
+    differences.add_column("variable")
     for heading in ("largest", "relative", "at", "rms"):
         differences.add_column(heading, justify="right", no_wrap=True)
     for each in found.differences:
@@ -45,11 +46,10 @@ def tables(found: Comparison, names: Sequence[str]) -> list[Table]:
     for column in metrics.columns[1:]:
         column.justify = "right"
     texts = Table("text", title=f"texts, {found.begin:.4g} to {found.end:.4g} s")
-    texts.columns[0].overflow = "fold"
     for heading in ("differs for", "first at"):
         texts.add_column(heading, justify="right", no_wrap=True)
     for heading in map(printable, names):
-        texts.add_column(heading, overflow="fold")
+        texts.add_column(heading)
     for text in found.texts:
         told = [
             f"{text.apart:.4g} s", f"{text.first:.4g} s",
@@ -58,7 +58,7 @@ def tables(found: Comparison, names: Sequence[str]) -> list[Table]:
         texts.add_row(
             printable(text.name), *(told if isfinite(text.first) else ["0 s", "-", "-", "-"])
         )
-    return [table for table in (metrics, differences, texts) if table.row_count]
+    return [keep_whole(table, 0) for table in (metrics, differences, texts) if table.row_count]
 
 
 def settings_table(found: SettingPairs, names: Sequence[str]) -> Iterator[Table | str]:

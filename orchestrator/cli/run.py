@@ -238,6 +238,7 @@ def _report(
     from rich.text import Text
 
     from ..errors import printable
+    from ..report.whole_names import keep_whole
     from ..results.accuracy import accuracy
     from ..results.run_notes import notes_of
 
@@ -254,13 +255,14 @@ def _report(
     for metric in found:
         row = [printable(metric.name), printable(metric.shown), printable(metric.shown_error)]
         table.add_row(*row[: len(table.columns)])
-    console.print(table if found else title)
+    console.print(keep_whole(table, 0) if found else title)
     compiled = [n for n, i in outcome.plan.interfaces.items() if i.ours and not i.needs_tool]
     speed = outcome.simulated / outcome.wall_time
     rejected = f" and {outcome.rejected} rejected" if outcome.rejected else ""
     console.print(
-        f"{outcome.steps} communication steps{rejected}, {outcome.simulated:.3f} s simulated in"
-        f" {outcome.wall_time:.2f} s, {speed:.1f} times real time",
+        f"{outcome.steps} communication steps{rejected} by {outcome.plan.scenario.master.kind},"
+        f" {outcome.simulated:.3f} s simulated in {outcome.wall_time:.2f} s,"
+        f" {speed:.1f} times real time",
         highlight=False,
     )
     if compiled:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import printable
+from ..report.whole_names import keep_whole
 from .accuracy import INACCURATE, MEANINGLESS, largest_error, remedy, still
 from .outcome import Outcome
 from .run_warning import RunWarning
@@ -34,7 +35,7 @@ def errors(outcome: Outcome) -> Table:
     for name in named:
         found = (outcome.estimates or {})[name]
         table.add_row(printable(name), f"{found.error:.2g} {units[name]}", f"{found.relative:.1e}")
-    return table
+    return keep_whole(table, 0)
 
 
 def couplings(outcome: Outcome) -> Table:
@@ -48,7 +49,7 @@ def couplings(outcome: Outcome) -> Table:
     for name, (created, exchanged) in outcome.couplings.items():
         share = created / exchanged if exchanged else 0.0
         table.add_row(printable(name), f"{created / cycles:+.2e} J", f"{share:+.1e}")
-    return table
+    return keep_whole(table, 0)
 
 
 def warnings(outcome: Outcome) -> Iterator[RunWarning]:

@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Any
 from ..errors import printable
 from ..fmi.description import Variable
 from ..report.notebook import Card, of_terminal
+from ..report.whole_names import keep_whole
 from .connections import Connection
 from .execution_order import reachable
+from .metric_expression import LONGEST
+from .part_inspection import LAWS
 from .plan import Plan
 from .processes import MASTERS, process_of
 from .schema import AUTO
@@ -16,12 +19,22 @@ from .schema import AUTO
 if TYPE_CHECKING:
     from rich.table import Table
 
-LAWS = ("value", "affine", "curvature")
-
 
 def tables(plan: Plan) -> list[Table]:
-    """Components in execution order, wires by port, held inputs, structure, the time grid."""
-    return [_components(plan), _wires(plan), _held(plan), _shape(plan), _time(plan)]
+    """Components in execution order, their start values, wires by port, held inputs, master.
+
+    Then loops and recordings, the time grid, and the metrics with their definitions.
+    """
+    return [
+        keep_whole(_components(plan), 0, 1),
+        keep_whole(_starts(plan), 0, 1),
+        keep_whole(_wires(plan), 0, 1),
+        keep_whole(_held(plan), 0),
+        keep_whole(_master(plan), 0),
+        keep_whole(_shape(plan)),
+        keep_whole(_time(plan)),
+        *([keep_whole(_metrics(plan), 0)] if plan.scenario.metrics.defined else []),
+    ]
 
 
 def card(plan: Plan) -> Card:
@@ -74,6 +87,7 @@ def facts(plan: Plan) -> dict[str, Any]:
             for name, r in plan.recordings.items()
         },
         "dropped": plan.dropped,
+        "metrics": plan.scenario.metrics.defined,
         "records": plan.record_names + plan.text_names,
         "time": {
             "start": plan.grid.start,
@@ -110,31 +124,27 @@ def loops(plan: Plan) -> list[list[str]]:
 def _components(plan: Plan) -> Table:
     from rich.table import Table
 
-    table = Table(
-        "component",
-        "FMU",
-        "GUID",
-        "process",
-        "rollback",
-        "ports",
-        "start values",
-        title="components",
-    )
+    table = Table("component", "FMU", "rollback", "ports", title="components")
     for name in plan.order:
         interface = plan.interfaces[name]
-        starts = [
-            f"{key} = {_shown(interface.variables[key], value)}"
-            for key, value in plan.starts[name].items()
-        ]
         table.add_row(
             name,
-            interface.path.name,
-            interface.guid[:8],
-            process_of(plan, name),
+            printable(interface.path.name),
             "yes" if interface.rollback else "no",
-            ", ".join(interface.ports()),
-            ", ".join(starts),
+            ", ".join(map(printable, interface.ports())),
         )
+    return table
+
+
+def _starts(plan: Plan) -> Table:
+    """What the scenario sets, by the names that `--set` takes."""
+    from rich.table import Table
+
+    table = Table("start value", "value", title="start values that the scenario sets")
+    for name in plan.order:
+        known = plan.interfaces[name].variables
+        for key, value in plan.starts[name].items():
+            table.add_row(printable(f"{name}.{key}"), printable(_shown(known[key], value)))
     return table
 
 
@@ -175,12 +185,21 @@ def _held(plan: Plan) -> Table:
     return table
 
 
+def _master(plan: Plan) -> Table:
+    """The method that steps the components, which follows from the wires where none is named."""
+    from rich.table import Table
+
+    master = plan.scenario.master
+    table = Table("master", "laws", "order", title="master")
+    table.add_row(master.kind, master.laws, ", ".join(plan.order))
+    return table
+
+
 def _shape(plan: Plan) -> Table:
-    """Execution order, loops, recordings, and what the scenario leaves out or drops."""
+    """Loops, recordings, and what the scenario leaves out or drops."""
     from rich.table import Table
 
     table = Table("", "components", title="structure")
-    table.add_row("order", ", ".join(plan.order))
     for ring in loops(plan):
         table.add_row("loop", ", ".join(ring))
     table.add_row("left out", ", ".join(map(printable, plan.scenario.without)) or "nothing")
@@ -207,4 +226,13 @@ def _time(plan: Plan) -> Table:
         "a run chooses" if _is_open(plan) else str(grid.count),
         frequency, f"{len(plan.records)} variables{texts}",
     )  # fmt: skip
+    return table
+
+
+def _metrics(plan: Plan) -> Table:
+    from rich.table import Table
+
+    table = Table("metric", "definition", title="metrics")
+    for name, text in plan.scenario.metrics.defined.items():
+        table.add_row(printable(name), printable(text, most=LONGEST))
     return table

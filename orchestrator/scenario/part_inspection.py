@@ -10,6 +10,7 @@ from ..errors import printable
 from ..fmi.archive import read_description
 from ..fmi.description import Interface, Variable, read_interface
 from ..fmi.safe_xml import guarded
+from ..report.whole_names import keep_whole
 from .library import LIBRARY, built_part, located, part_names
 
 if TYPE_CHECKING:
@@ -24,9 +25,8 @@ PROVENANCE = "; provenance: "
 
 MOST_ROWS = 500
 """Rows of a table; `--json` gives what is more."""
-
-MOST_NAMED = 2
-"""Members of a port that a table names; the others are counted."""
+LAWS = ("value", "affine", "curvature")
+"""What a member is to its port, by its order: the value, or a part of its law."""
 
 
 def parts(library: Path = LIBRARY) -> dict[str, Interface]:
@@ -46,7 +46,8 @@ def description_of(path: Path) -> str:
 
 def part_tables(part: Interface) -> list[Table]:
     """Parameters with start value, range and meaning; inputs and outputs, port by port."""
-    return [table for table in (_parameters(part), _ports(part)) if table.row_count]
+    tables = (_parameters(part), _ports(part))
+    return [keep_whole(table, 0) for table in tables if table.row_count]
 
 
 def part_facts(part: Interface) -> dict[str, Any]:
@@ -76,7 +77,10 @@ def part_facts(part: Interface) -> dict[str, Any]:
             {
                 "port": port,
                 "direction": direction,
-                "members": {v.name: {"unit": v.unit, "meaning": v.description} for v in members},
+                "members": {
+                    v.name: {"unit": v.unit, "order": v.order, "meaning": v.description}
+                    for v in members
+                },
             }
             for port, direction, members in _by_port(part)
         ],
@@ -143,14 +147,14 @@ def _range(variable: Variable) -> str:
 def _ports(part: Interface) -> Table:
     from rich.table import Table
 
-    table = Table("port or variable", "", "members", "meaning of the first", title="ports")
-    for port, direction, members in _cut(table, list(_by_port(part))):
-        first = members[0]
-        unit = "" if first.unit in {"", "1"} else f" [{printable(first.unit)}]"
-        names = ", ".join(printable(v.member) for v in members[:MOST_NAMED])
-        more = f" and {len(members) - MOST_NAMED}" if len(members) > MOST_NAMED else ""
-        listed = f"{names}{more}" if first.port else ""
-        table.add_row(printable(port), direction, listed, printable(first.description) + unit)
+    table = Table("input or output", "", "order", "unit", "meaning", title="ports")
+    members = [
+        (direction, member) for _, direction, members in _by_port(part) for member in members
+    ]
+    for direction, v in _cut(table, members):
+        order = LAWS[v.order] if v.order < len(LAWS) else str(v.order)
+        unit = "" if v.unit == "1" else printable(v.unit)
+        table.add_row(printable(v.name), direction, order, unit, printable(v.description))
     return table
 
 

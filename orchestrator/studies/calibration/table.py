@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...errors import printable
+from ...report.whole_names import keep_whole
 from .fits import Datum, Fit
 from .profile import Point
 from .study import Calibration
@@ -28,7 +29,7 @@ def parameters(found: Calibration) -> Table:
             printable(parameter.name), f"{parameter.value}", f"{found.fitted[k]:.5g}",
             f"{moved:+.2%}", f"{found.spread[k]:.1%}",
         )  # fmt: skip
-    return made
+    return keep_whole(made, 0)
 
 
 def data(found: Calibration) -> Table:

@@ -12,6 +12,7 @@ from ...report.page import Notes, Page, Section
 from ...report.plot import Axis, Curve, Figure, Plot
 from ...report.table import Cell, Column, quantity
 from ...report.table import Table as PageTable
+from ...report.whole_names import keep_whole
 from .study import Identified
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def parameters(found: Identified) -> Table:
             printable(unknown.full), f"{unknown.start:.6g}", f"{found.values[k]:.6g}",
             f"+- {found.intervals[k]:.2g}", unknown.unit,
         )  # fmt: skip
-    return made
+    return keep_whole(made, 0)
 
 
 def outputs(found: Identified) -> Table:
@@ -51,7 +52,7 @@ def outputs(found: Identified) -> Table:
             printable(own), f"{found.sizes[k]:.3g} {unit}", f"{100 * found.shares[k]:.3f} %",
             f"{found.lag_one[k]:+.2f}", f"{found.stepping[k]:.2g} {unit}",
         )  # fmt: skip
-    return made
+    return keep_whole(made, 0)
 
 
 def objections(found: Identified) -> Iterator[str]:

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.scenario.files import scenario_names, scenario_path
+from orchestrator.simulation.load import unloaded
 from tests.processes import python
 
 runner = CliRunner()
@@ -92,6 +93,25 @@ def test_inspect_shows_what_is_wired_and_held(library: Path) -> None:
     wrong = runner.invoke(app, ["inspect", "flapping-no-wings", "--fmus", str(library)])
     assert wrong.exit_code == 2
     assert "did you mean 'flapping-no-wing'" in wrong.output
+
+
+def test_inspect_shows_names_whole_master_and_metrics(library: Path) -> None:
+    command = ["inspect", "flapping-full-wings", "--fmus", str(library)]
+    done = runner.invoke(app, command, env={"COLUMNS": "80"})
+    plan = unloaded("flapping-full-wings", None, library)
+    lines = [" ".join(line.split()) for line in done.output.replace("│", " ").splitlines()]
+    assert "linkage.slider_mass 0.007145 kg" in lines and "…" not in done.output
+    assert "gauss-seidel curvature amplifier, actuator, aero, linkage" in lines
+    assert "travel peak_to_peak(linkage.displacement) in mm" in lines
+    for name in plan.scenario.metrics.defined:
+        assert any(line.startswith(f"{name} ") for line in lines), name
+
+
+def test_a_run_names_its_master(library: Path, tmp_path: Path) -> None:
+    command = ["run", "oscillator-1", "--fmus", str(library), "--no-picture", "--stop", "4 cycles"]
+    options = ["--master", "jacobi", "--output", str(tmp_path / "a.nc")]
+    done = runner.invoke(app, command + options)
+    assert "communication steps by jacobi, " in done.output
 
 
 def test_json_for_scripts(library: Path, tmp_path: Path) -> None:

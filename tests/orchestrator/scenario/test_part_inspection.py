@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
+from rich.table import Table
 from typer.testing import CliRunner, Result
 
 from orchestrator.cli import app
 from orchestrator.fmi.description import read_interface
+from orchestrator.report.whole_names import keep_whole
 from orchestrator.scenario.part_inspection import part_facts, part_tables, parts
 from tests.foreign.scenarios import Shelf, each_version
 
@@ -55,6 +59,33 @@ def test_a_long_table_is_cut_and_says_so(library: Path, monkeypatch: pytest.Monk
     assert [table.row_count for table in tables] == [3, 3]
     count = len(part_facts(part)["parameters"])
     assert str(tables[0].caption) == f"and {count - 3} more: --json gives all"
+
+
+@pytest.mark.parametrize("name", ["aero", "amplifier", "linkage", "membrane"])
+def test_every_name_is_shown_whole_in_a_narrow_terminal(library: Path, name: str) -> None:
+    part = parts(library)[name]
+    shown = resilin("parts", name, "--fmus", library).output.replace("│", " ").splitlines()
+    for variable in part.of("parameter", "input", "output"):
+        assert any(line.split()[:1] == [variable.name] for line in shown), variable.name
+    assert "…" not in "".join(shown)
+
+
+def test_members_of_a_port_have_direction_order_and_unit(library: Path) -> None:
+    shown = resilin("parts", "linkage", "--fmus", library).output.replace("│", " ")
+    rows = {line.split()[0]: line.split()[1:4] for line in shown.splitlines() if line.split()}
+    assert rows["load.torque"] == ["in", "value", "N.m"]
+    assert rows["load.added_inertia_slope"] == ["in", "curvature", "kg.m2.s"]
+    assert rows["motion.reference_time"] == ["out", "affine", "s"]
+
+
+def test_names_too_long_for_the_terminal_are_folded_not_cut() -> None:
+    table = Table("from", "to")
+    ends = ("first_" * 12, "second_" * 12)
+    table.add_row(*ends)
+    console = Console(width=80, record=True, file=StringIO())
+    console.print(keep_whole(table, 0, 1))
+    rows = [line.split("│")[1:3] for line in console.export_text().splitlines()[3:-1]]
+    assert tuple("".join(row[k].strip() for row in rows) for k in range(2)) == ends
 
 
 @each_version
