@@ -126,23 +126,35 @@ def renamed(old: str, new: str) -> None:
 
 
 LONGEST_WORD = 200
+SHORTEST_PART = 3
+"""Letters from which on names that contain the word are like it."""
 MOST_WORDS = 5000
 """Beyond these no nearest word is looked for: the time goes with the square of their length."""
 
 
-def nearest(word: str, words: Iterable[str], *, show: int = 8) -> str:
-    """`did you mean 'x'?`, or a list of the words, cut to `show` of them."""
-    choices = sorted(words)
-    close: list[str] = []
-    if len(word) <= LONGEST_WORD and len(choices) <= MOST_WORDS:
-        short = [choice for choice in choices if len(choice) <= LONGEST_WORD]
-        close = difflib.get_close_matches(word, short, n=1, cutoff=0.6)
-    if close:
-        return f"did you mean {close[0]!r}?"
+def nearest(word: str, words: Iterable[str], *, later: Iterable[str] = (), show: int = 8) -> str:
+    """`did you mean 'x'?`, or a list of the words, cut to `show` of them.
+
+    Those that are somewhat like the word come first; all of `later` comes after the words.
+    """
+    groups = [sorted(words), sorted(later)]
+    if len(word) <= LONGEST_WORD and sum(map(len, groups)) <= MOST_WORDS:
+        short = [choice for group in groups for choice in group if len(choice) <= LONGEST_WORD]
+        if close := difflib.get_close_matches(word, short, n=1, cutoff=0.6):
+            return f"did you mean {close[0]!r}?"
+        groups = [_likest_first(word, group) for group in groups]
+    choices = [choice for group in groups for choice in group]
     if not choices:
         return "there is none"
     listed = ", ".join(map(printable, choices[:show])) + (", ..." if len(choices) > show else "")
     return f"there {'is' if len(choices) == 1 else 'are'} {listed}"
+
+
+def _likest_first(word: str, words: list[str]) -> list[str]:
+    short = [each for each in words if len(each) <= LONGEST_WORD]
+    near = difflib.get_close_matches(word, short, cutoff=0.5)
+    near += [each for each in words if len(word) >= SHORTEST_PART and word in each]
+    return list(dict.fromkeys([*near, *words]))
 
 
 def printable(text: str, *, most: int = 200) -> str:

@@ -17,7 +17,7 @@ from .command_list import RUNS
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ..results.metrics import Metric
+    from ..results.metrics import LeftOut, Metric
     from ..results.outcome import Outcome
     from ..results.recorded import Recorded
 
@@ -154,7 +154,7 @@ def _show(
     verbose: bool,
 ) -> None:
     """Plot and print a run, from the file that it has written."""
-    from ..results.metrics import metrics
+    from ..results.metrics import left_out, metrics
     from ..results.recorded import read_recorded, recorded
 
     drawn: Path | None = None
@@ -163,14 +163,14 @@ def _show(
         drawn = _drawn(data, written)
     if quiet:
         return
-    found = metrics(data)
+    found, gone = metrics(data), left_out(data)
     if json:
-        facts = _facts(outcome, found, written, drawn)
+        facts = _facts(outcome, found, gone, written, drawn)
         common.print_json(facts | {"page": str(report) if report else None})
         _check_numbers(found)
         return
     try:
-        _report(outcome, found, written, drawn, report, verbose)
+        _report(outcome, found, gone, written, drawn, report, verbose)
     except OSError as error:
         common.fail(f"standard output: {error.strerror}; {written} is whole", 1)
     _check_numbers(found)
@@ -195,7 +195,13 @@ def _drawn(data: Recorded, written: Path) -> Path | None:
     return None
 
 
-def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> dict[str, Any]:
+def _facts(
+    outcome: Outcome,
+    found: Sequence[Metric],
+    gone: Sequence[LeftOut],
+    written: Path,
+    drawn: Path | None,
+) -> dict[str, Any]:
     """The report of a run as data for scripts."""
     from ..results.run_notes import notes_of
 
@@ -207,6 +213,7 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
         "result": str(written),
         "picture": str(drawn) if drawn else None,
         "metrics": {m.name: {"value": m.value, "unit": m.unit, "error": m.error} for m in found},
+        "metrics_left_out": {each.name: each.reason for each in gone},
         "communication_steps": outcome.steps,
         "rejected_steps": outcome.rejected,
         "step_calls": outcome.calls,
@@ -227,7 +234,8 @@ def _facts(outcome: Outcome, found: Any, written: Path, drawn: Path | None) -> d
 
 def _report(
     outcome: Outcome,
-    found: Any,
+    found: Sequence[Metric],
+    gone: Sequence[LeftOut],
     written: Path,
     drawn: Path | None,
     report: Path | None,
@@ -273,6 +281,9 @@ def _report(
         console.print(stated, highlight=False, soft_wrap=True)
     if verbose:
         _print_details(console, outcome)
+    for each in gone:
+        text = f"metric left out: {printable(each.name)}: {printable(each.reason, most=900)}"
+        console.print(Text(text), soft_wrap=True)
     for dropped in notes.dropped:
         console.print(Text(f"dropped: {printable(dropped, most=200)}"), soft_wrap=True)
     for line in notes.warnings:

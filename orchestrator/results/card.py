@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ..errors import printable
 from ..report.notebook import LONGEST, Card
 from ..report.table import Cell, Column, Table, quantity
-from .metrics import Metric, metrics
+from .metrics import Metric, left_out, metrics
 from .outcome import Outcome
 from .run_notes import notes_of
 
@@ -33,6 +33,8 @@ def _lines(outcome: Outcome) -> Iterator[str]:
     for name, changes in outcome.texts.items():
         last = printable(changes[-1][1]) if changes else ""
         yield f"{printable(name)}: {len(changes)} texts, the last {last!r}"
+    for left in left_out(outcome) if len(outcome.times) else []:
+        yield f"metric left out: {printable(left.name)}: {printable(left.reason, most=LONGEST)}"
 
 
 def pace(outcome: Outcome) -> str:

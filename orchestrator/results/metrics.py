@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..scenario.metric_expression import Expression, expression_of, unit_of, variable_of
+from ..scenario.metric_expression import (
+    Expression,
+    expression_of,
+    not_recorded,
+    unit_of,
+    variable_of,
+)
 from ..units import UnitError, in_base
 from .outcome import Outcome
 from .recorded import Recorded, recorded
@@ -43,18 +49,37 @@ class Metric:
     shown_error: str = ""
 
 
+@dataclass(frozen=True)
+class LeftOut:
+    """A metric that a result has no row for, with the reason and the way out."""
+
+    name: str
+    reason: str
+
+
 def metrics(source: Recorded | Outcome | xarray.Dataset, cycles: int | None = None) -> list[Metric]:
     """The metrics of the scenario that a result comes from, over its last `cycles` cycles.
 
     Those whose variables were not recorded are left out, as are a frequency and a phase of a
-    variable that does not move. A scenario that defines none gets the last value of its first
-    variables.
+    variable that does not move: see `left_out`. A scenario that defines none gets the last value of
+    its first variables.
     """
+    return [each for each in _taken(source, cycles) if isinstance(each, Metric)]
+
+
+def left_out(source: Recorded | Outcome | xarray.Dataset) -> list[LeftOut]:
+    """The metrics of the scenario that `metrics` leaves out."""
+    return [each for each in _taken(source, None) if isinstance(each, LeftOut)]
+
+
+def _taken(
+    source: Recorded | Outcome | xarray.Dataset, cycles: int | None
+) -> Iterator[Metric | LeftOut]:
     data = recorded(source)
     settings = data.metrics or {}
     window = Window(data, cycles or int(settings.get("cycles", CYCLES)))
     defined = {str(k): str(v) for k, v in settings.items() if k != "cycles"}
-    return list(_found(window, texts_of(defined, window.units), data.metric_errors))
+    yield from _found(window, texts_of(defined, window.units), data.metric_errors)
 
 
 def texts_of(defined: Mapping[str, str], names: Iterable[str]) -> Mapping[str, str]:
@@ -65,11 +90,12 @@ def texts_of(defined: Mapping[str, str], names: Iterable[str]) -> Mapping[str, s
 
 def _found(
     window: Window, defined: Mapping[str, str], errors: Mapping[str, float]
-) -> Iterator[Metric]:
+) -> Iterator[Metric | LeftOut]:
     for name, text in defined.items():
         try:
             expression = expression_of(text)
-            if not set(expression.variables) <= set(window.units):
+            if reason := not_recorded(expression, window.units):
+                yield LeftOut(name, reason)
                 continue
             shown_in = unit_of(expression, window.units)
             unit, scale = _base(shown_in)
@@ -80,8 +106,10 @@ def _found(
             reason = f"{window.rows} rows are fewer than the {Window.LEAST_ROWS} that it needs"
             yield Metric(name, math.nan, unit, f"not a number: {reason}")
             continue
-        value = evaluated(expression, window)
-        if value is None:
+        try:
+            value = evaluated(expression, window)
+        except Window.UndefinedError as undefined:
+            yield LeftOut(name, f"{text} {undefined}")
             continue
         if not math.isfinite(value):
             yield Metric(name, math.nan, unit, f"not a number: {text} comes to {value}")
@@ -91,13 +119,11 @@ def _found(
         yield Metric(name, value, unit, shown(value / scale, shown_in), wrong, about)
 
 
-def evaluated(expression: Expression, window: Window) -> float | None:
-    """Value of a metric in SI; None where a frequency or phase in it does not exist."""
+def evaluated(expression: Expression, window: Window) -> float:
+    """Value of a metric in SI; `UndefinedError` where a frequency or phase does not exist."""
     with np.errstate(all="ignore"):
         try:
             return float(_scalar(expression.tree, window))
-        except Window.UndefinedError:
-            return None
         except (ZeroDivisionError, OverflowError):
             return math.nan
 

@@ -20,7 +20,7 @@ class Window:
     LEAST_ROWS: ClassVar[int] = 3
 
     class UndefinedError(Exception):
-        """A frequency or a phase of a variable that does not oscillate."""
+        """A frequency or a phase that does not exist, with the reason and the way out."""
 
     def __init__(self, data: Recorded, cycles: int) -> None:
         time = data.times
@@ -80,7 +80,9 @@ class Window:
         swing = series - 0.5 * (series.max() + series.min())
         up = np.flatnonzero((swing[:-1] < 0.0) & (swing[1:] >= 0.0))
         if len(up) < 2:
-            raise Window.UndefinedError
+            raise Window.UndefinedError(
+                "has no frequency: it crosses its middle value upwards less than twice; run longer"
+            )
         part = swing[up] / (swing[up] - swing[up + 1])
         crossings = self.time[up] + part * (self.time[up + 1] - self.time[up])
         return float((len(up) - 1) / (crossings[-1] - crossings[0]))
@@ -88,10 +90,14 @@ class Window:
     def _phase(self, series: Values, behind: Values) -> float:
         """Lag [rad] of the fundamental of `series` behind that of `behind`, from -pi/2 on."""
         if self.drive <= 0.0:
-            raise Window.UndefinedError
+            raise Window.UndefinedError(
+                "has no phase: there is no drive's frequency; give time.frequency"
+            )
         push, response = self._fundamental(behind), self._fundamental(series)
         if self._is_still(push, behind) or self._is_still(response, series):
-            raise Window.UndefinedError
+            raise Window.UndefinedError(
+                "has no phase: one of the two does not swing at the drive's frequency"
+            )
         lag = float(np.angle(push / response))
         return lag if lag > -0.5 * np.pi else lag + 2.0 * np.pi
 

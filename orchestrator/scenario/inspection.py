@@ -10,7 +10,7 @@ from ..report.notebook import Card, of_terminal
 from ..report.whole_names import keep_whole
 from .connections import Connection
 from .execution_order import reachable
-from .metric_expression import LONGEST
+from .metric_expression import LONGEST, expression_of, not_recorded
 from .part_inspection import LAWS
 from .plan import Plan
 from .processes import MASTERS, process_of
@@ -234,5 +234,7 @@ def _metrics(plan: Plan) -> Table:
 
     table = Table("metric", "definition", title="metrics")
     for name, text in plan.scenario.metrics.defined.items():
-        table.add_row(printable(name), printable(text, most=LONGEST))
+        reason = not_recorded(expression_of(text), plan.record_names)
+        left_out = f"; left out: {reason}" if reason else ""
+        table.add_row(printable(name), printable(text, most=LONGEST) + left_out)
     return table

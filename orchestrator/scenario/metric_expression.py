@@ -8,11 +8,12 @@ same way. A variable whose name has more than letters, digits, `_`, `.` and `[n]
 from __future__ import annotations
 
 import ast
+import json
 import re
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 
-from ..errors import nearest
+from ..errors import nearest, printable
 from ..units import check_unit, factor
 
 FUNCTIONS = {
@@ -58,6 +59,15 @@ def expression_of(text: str) -> Expression:
         known = ", ".join(FUNCTIONS)
         raise ValueError(f"is a series over time and not one number; apply one of {known}")
     return Expression(tree, tuple(dict.fromkeys(_variables(tree))), unit)
+
+
+def not_recorded(expression: Expression, recorded: Container[str]) -> str:
+    """Why a metric is left out whose variables are not all `recorded`, and the way out."""
+    lacking = [json.dumps(name) for name in expression.variables if name not in recorded]
+    if not lacking:
+        return ""
+    listed = ", ".join(map(printable, lacking))
+    return f"not recorded; under [record] write variables = [{listed}]"
 
 
 def _variables(node: ast.AST) -> Iterator[str]:

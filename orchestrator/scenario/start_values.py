@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..errors import Problems, nearest
+from ..errors import Problems, nearest, printable
 from ..fmi.description import Interface, Variable
 from ..units import UnitError, si_value
 from .schema import Scenario
+
+MOST_NAMED = 24
+"""Parameters that a refusal lists: all of a usual part."""
 
 
 def starts_of(
@@ -65,7 +68,9 @@ def _unsettable(
     """Why a name is nothing that can be set at the start, with the nearest that is."""
     known = interface.variables.get(key)
     if known is None:
-        return f"no parameter {key!r} in {component}; {nearest(key, settable)}"
+        members = {name for name, v in settable.items() if v.causality != "parameter"}
+        hint = nearest(key, settable.keys() - members, later=members, show=MOST_NAMED)
+        return f"no parameter {printable(key)!r} in {component}; {hint}"
     article = "an" if known.causality[0] in "aeiou" else "a"
     return (
         f"{article} {known.causality} that is not of initial exact or approx cannot be set at the"

@@ -15,7 +15,7 @@ from ..report.plot import Axis, Curve, Figure, Plot
 from ..report.table import Cell, Column, Table, quantity
 from ..results.accuracy import accuracy
 from ..results.card import metrics_table, pace
-from ..results.metrics import Metric
+from ..results.metrics import Metric, left_out
 from ..results.netcdf import provenance, release
 from ..results.outcome import Outcome
 from ..results.plot import CYCLES, panels_of
@@ -34,7 +34,7 @@ def page(outcome: Outcome, data: Recorded, metrics: Sequence[Metric]) -> Page:
     sections = [
         Section("trust", "Before trusting the numbers", _listed(notes.warnings)),
         Section("dropped", "What the scenario has lost", _listed(notes.dropped)),
-        Section("metrics", "Metrics", list(_metrics(outcome, metrics))),
+        Section("metrics", "Metrics", list(_metrics(outcome, data, metrics))),
         Section("plots", "Plots", list(_plots(data))),
         Section("system", "System", [_diagram(plan), _components(outcome)]),
         Section("accuracy", "Accuracy", list(_accuracy(outcome))),
@@ -65,9 +65,13 @@ def _listed(texts: Sequence[str]) -> list[Part]:
     return [Notes(texts)] if texts else []
 
 
-def _metrics(outcome: Outcome, found: Sequence[Metric]) -> Iterator[Part]:
+def _metrics(outcome: Outcome, data: Recorded, found: Sequence[Metric]) -> Iterator[Part]:
     if found:
         yield metrics_table(found, errors=outcome.estimates is not None)
+    gone = [printable(f"{m.name}: {m.reason}", most=LONGEST) for m in left_out(data)]
+    if gone:
+        yield Words(("Metrics left out:",))
+        yield Notes(gone)
 
 
 def _plots(data: Recorded) -> Iterator[Part]:

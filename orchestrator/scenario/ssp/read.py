@@ -20,6 +20,7 @@ from ...fmi.archive import STRUCTURE, entries, extract, read_entry
 from ...fmi.description import Interface, Variable, read_interface
 from ...fmi.safe_xml import guarded
 from ...units import UnitError, factor
+from ..start_values import MOST_NAMED
 from .document import Document, Reader, Value
 from .flatten import Flat, Joint, flattened
 from .flatten import Path as Names
@@ -253,7 +254,9 @@ def _starts(
         where = f"parameter {printable(f'{owner}.{name}')}"
         variable = settable.get(name)
         if variable is None:
-            problems.add(where, f"the FMU has no such parameter to set; {nearest(name, settable)}")
+            members = {key for key, v in settable.items() if v.causality == "input"}
+            hint = nearest(name, settable.keys() - members, later=members, show=MOST_NAMED)
+            problems.add(where, f"the FMU has no such parameter to set; {hint}")
             continue
         try:
             starts[name] = _start(variable, value, units.get(name, ""))

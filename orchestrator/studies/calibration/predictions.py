@@ -11,7 +11,7 @@ from ...errors import InputError, SimulationError, nearest
 from ...results.metrics import metrics
 from ...scenario.library import LIBRARY
 from ...scenario.plan import Plan
-from ...scenario.start_values import start_value
+from ...scenario.start_values import MOST_NAMED, start_value
 from ...simulation.interrupt import Interrupt
 from ...simulation.load import load
 from ...simulation.run import run
@@ -89,7 +89,9 @@ class Model:
             raise InputError(f"{parameter.name}: no datum is of scenario {parameter.scenarios[0]}")
         known = plan.interfaces[component].variables
         if name not in known:
-            raise InputError(f"{parameter.name}: no parameter {name!r}; {nearest(name, known)}")
+            settable = [key for key, v in known.items() if v.causality == "parameter"]
+            hint = nearest(name, settable, show=MOST_NAMED)
+            raise InputError(f"{parameter.name}: no parameter {name!r}; {hint}")
         try:
             return float(start_value(known[name], value))
         except UnitError as error:

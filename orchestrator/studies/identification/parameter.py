@@ -8,7 +8,7 @@ from math import inf, isfinite
 
 from ...errors import InputError, nearest, printable
 from ...scenario.plan import Plan
-from ...scenario.start_values import start_value
+from ...scenario.start_values import MOST_NAMED, start_value
 from ...units import UnitError
 
 
@@ -73,7 +73,7 @@ def _unknown(name: str, span: str, plan: Plan, parts: Sequence[str]) -> Unknown:
     interface = plan.interfaces[component]
     known = {v.name: v for v in interface.of("parameter") if v.real}
     if parameter not in known:
-        hint = nearest(parameter, known)
+        hint = nearest(parameter, known, show=MOST_NAMED)
         raise InputError(f"{where}: no real parameter {printable(parameter)!r}; {hint}")
     variable = known[parameter]
     start = float(plan.starts[component].get(parameter, variable.start or 0.0))

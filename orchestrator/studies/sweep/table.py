@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
 from ...errors import printable
 from ...results.metrics import shown
+from ...results.scenario_attribute import scenario_table
+from ...scenario.metric_expression import expression_of, not_recorded
 from ...units import UnitError, factor
 from .dataset import BESIDE
 
@@ -102,6 +105,7 @@ def remarks(data: xarray.Dataset) -> Iterator[str]:
     same = [column.constant for column in columns if not column.varies]
     if same:
         yield f"the same at every point: {', '.join(same)}"
+    yield from _left_out(data)
     axes = [str(name) for name in data.dims]
     for point in facts(data):
         if point["status"] != DONE:
@@ -109,6 +113,16 @@ def remarks(data: xarray.Dataset) -> Iterator[str]:
             yield printable(f"{place}: {point['status']}: {point['reason']}")
     if "refined" in data.attrs:
         yield _peak(data)
+
+
+def _left_out(data: xarray.Dataset) -> Iterator[str]:
+    """Metrics of the scenario that no point can have, as their variables are not recorded."""
+    known = {str(column.attrs.get("long_name")) for column in data.data_vars.values()}
+    for name, text in scenario_table(data.attrs, "metrics").items():
+        if name != "cycles" and name not in known:
+            with suppress(ValueError):
+                reason = not_recorded(expression_of(str(text)), ())
+                yield f"metric left out: {printable(name)}: {printable(reason, most=900)}"
 
 
 def _peak(data: xarray.Dataset) -> str:

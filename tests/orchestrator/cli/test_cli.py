@@ -107,6 +107,28 @@ def test_inspect_shows_names_whole_master_and_metrics(library: Path) -> None:
         assert any(line.startswith(f"{name} ") for line in lines), name
 
 
+def test_a_metric_that_is_not_recorded_is_named_by_every_command(
+    library: Path, tmp_path: Path
+) -> None:
+    scenario = tmp_path / "short.toml"
+    scenario.write_text(
+        'extends = "oscillator-1"\n[metrics]\ndriven = "mean(spring.force.value)"\n'
+        '[record]\ninherit = false\nvariables = ["payload.displacement"]\n'
+    )
+    remedy = 'driven: not recorded; under [record] write variables = ["spring.force.value"]'
+    common = [str(scenario), "--fmus", str(library)]
+    short = ["--stop", "4 cycles", "--output", str(tmp_path / "a.nc")]
+    run = runner.invoke(app, ["run", *common, *short, "--html", str(tmp_path / "a.html")])
+    assert run.exit_code == 0 and f"metric left out: {remedy}" in run.output.splitlines()
+    assert "Metrics left out" in (tmp_path / "a.html").read_text()
+    sweep = ["sweep", *common, *short, "--over", "amplifier.frequency=10,20"]
+    assert remedy in " ".join(runner.invoke(app, sweep).output.split())
+    shown = runner.invoke(app, ["inspect", *common], env={"COLUMNS": "200"}).output
+    assert 'left out: not recorded; under [record] write variables = ["spring' in shown
+    listed = runner.invoke(app, ["run", *common, *short, "--json"]).stdout
+    assert "driven" in json.loads(listed)["metrics_left_out"]
+
+
 def test_a_run_names_its_master(library: Path, tmp_path: Path) -> None:
     command = ["run", "oscillator-1", "--fmus", str(library), "--no-picture", "--stop", "4 cycles"]
     options = ["--master", "jacobi", "--output", str(tmp_path / "a.nc")]

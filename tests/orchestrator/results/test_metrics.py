@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray
 
-from orchestrator.results.metrics import Metric, metrics
+from orchestrator.results.metrics import Metric, left_out, metrics
 
 VEHICLE = {
     "flapping stroke": "peak_to_peak(linkage.flap_angle) in deg",
@@ -51,6 +51,24 @@ def synthetic(
 
 def found(defined: dict[str, Any], **shape: Any) -> dict[str, Metric]:
     return {metric.name: metric for metric in metrics(synthetic(defined, **shape))}
+
+
+@pytest.mark.parametrize(
+    ("text", "frequency", "reason"),
+    [
+        ("mean(room.C)", 18.0, '[record] write variables = ["room.C"]'),
+        ("mean(aero.lift) - last(room.C)", 18.0, '= ["room.C"]'),
+        ("frequency(aero.lift)", 18.0, "run longer"),
+        ("phase(aero.lift, amplifier.top.voltage)", 18.0, "does not swing"),
+        ("phase(linkage.flap_angle, amplifier.top.voltage)", 0.0, "give time.frequency"),
+    ],
+)
+def test_a_metric_that_is_left_out_has_a_reason(text: str, frequency: float, reason: str) -> None:
+    data = synthetic({"asked": text, "travel": "last(aero.lift)"})
+    data.attrs["frequency"] = frequency
+    (gone,) = left_out(data)
+    assert gone.name == "asked" and reason in gone.reason
+    assert [metric.name for metric in metrics(data)] == ["travel"]
 
 
 def test_metrics_of_known_signals_are_in_si() -> None:
