@@ -364,7 +364,7 @@ def build_command(
     ] = None,
     set_: Annotated[
         list[str] | None,
-        typer.Option("--set", help='Start value, as linkage.stop_travel="1.9 mm".'),
+        typer.Option("--set", help="Start value, as linkage.stop_travel=1.9mm; may repeat."),
     ] = None,
     alias: Annotated[
         str | None, typer.Option("--as", help="Name of the FMU; needs exactly one part.")
@@ -379,7 +379,7 @@ def build_command(
     ] = None,
     keys: Annotated[
         list[str] | None,
-        typer.Option("--with", help="Key of a recording, as in a scenario: interpolation=linear."),
+        typer.Option("--with", help="Key of a recording, as interpolation=linear; may repeat."),
     ] = None,
     into: Annotated[
         Path | None, typer.Option(help="Folder for the FMUs; build/fmus or build/native.")
@@ -403,7 +403,8 @@ def build_command(
 ) -> None:
     """Build parts into FMUs; unchanged ones are left as they are.
 
-    Example: build linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
+    \b
+    Example: resilin build linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
     """
     from rich.console import Console
     from rich.table import Table
@@ -470,6 +471,13 @@ def build_command(
         )
 
 
+def builder() -> typer.Typer:
+    """The command alone; its help keeps paragraphs and the example whole."""
+    made = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+    made.command()(build_command)
+    return made
+
+
 def _kinds(native: bool | None, into: Path | None) -> list[str]:
     """Kinds of FMU to build: one where it or its folder is named, both where both can be."""
     if native is not None:
@@ -478,4 +486,4 @@ def _kinds(native: bool | None, into: Path | None) -> list[str]:
 
 
 if __name__ == "__main__":
-    typer.run(build_command)
+    builder()()

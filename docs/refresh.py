@@ -145,7 +145,7 @@ def commands() -> str:
 
     sections = []
     for name, command in _every(get_command(app)):
-        about, *rest = re.split(r"\n\s*\n", command.help.strip())
+        about, *rest = re.split(r"\n\s*\n", command.help.replace("\b\n", "").strip())
         options = _builder() if name == "build" else command.params
         details = [text for text in rest if not text.strip().startswith("Example: ")]
         lines = [f"### {name}", "", " ".join(" ".join([about, *details]).split()), ""]
@@ -169,14 +169,11 @@ def _every(group: Any, before: str = "") -> Iterator[tuple[str, Any]]:
 
 def _builder() -> list[Any]:
     """Arguments and options of `build`, which hands them on."""
-    import typer
     from typer.main import get_command
 
     import build_fmus
 
-    builder = typer.Typer(add_completion=False)
-    builder.command()(build_fmus.build_command)
-    return list(get_command(builder).params)
+    return list(get_command(build_fmus.builder()).params)
 
 
 def _shown(argument: Any) -> str:
@@ -186,7 +183,7 @@ def _shown(argument: Any) -> str:
 
 def _examples(paragraphs: list[str]) -> Iterator[str]:
     for paragraph in paragraphs:
-        text = " ".join(paragraph.split())
+        text = " ".join(paragraph.replace("\\\n", "").split())
         if text.startswith("Example: "):
             yield text.removeprefix("Example: ")
 

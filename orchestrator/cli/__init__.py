@@ -40,6 +40,7 @@ from . import (
 app = typer.Typer(
     cls=command_list.CommandList,
     add_completion=True,
+    rich_markup_mode=None,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     help="Co-simulation of a flapping-wing vehicle driven by dielectric elastomers.",

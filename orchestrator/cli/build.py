@@ -20,10 +20,9 @@ def build(context: typer.Context) -> None:
 
     The same as `python build_fmus.py`.
 
+    \b
     Example: resilin build linkage --set linkage.stop_travel="1.9 mm" --as linkage_tight
     """
     import build_fmus
 
-    builder = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-    builder.command()(build_fmus.build_command)
-    builder(args=context.args, prog_name="resilin build")
+    build_fmus.builder()(args=context.args, prog_name="resilin build")

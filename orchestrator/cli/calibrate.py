@@ -43,6 +43,7 @@ def calibrate(
 
     It shows errors, sensitivities and spreads.
 
+    \b
     Example: resilin calibrate vehicle vehicle-long-rocker --no-refit --native
     """
     from ..simulation.interrupt import Interrupt

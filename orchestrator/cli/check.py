@@ -35,6 +35,7 @@ def check(
     Also by fmpy's validation. Of a scenario all FMUs are checked; what `resilin inspect` refuses is
     refused. The exit code is 1 where there are errors.
 
+    \b
     Example: resilin check build/fmus/spring.fmu
     """
     with common.reported():

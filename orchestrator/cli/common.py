@@ -30,7 +30,7 @@ Sets = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
-        help='Start value, as amplifier.frequency="20 Hz".',
+        help="Start value, as amplifier.frequency=20Hz; may repeat.",
         autocompletion=completion.start_values,
     ),
 ]
@@ -62,7 +62,7 @@ Variables = Annotated[
 ]
 Holds = Annotated[
     list[str] | None,
-    typer.Option("--hold", help='Value of an input without a wire, as force.value="0 N".'),
+    typer.Option("--hold", help="Value of an input without a wire, as force.value=0N; may repeat."),
 ]
 Workers = Annotated[
     int | None, typer.Option(min=1, help="Processes; as many as processors if not given.")

@@ -48,6 +48,7 @@ def compare(
     It shows the settings that differ. Of runs it then shows the metrics of both and how far each
     variable differs; of sweeps how far each metric differs, at the points that both have.
 
+    \b
     Example: resilin compare flapping-full-wings slower
     """
     from ..report.image import check_plot

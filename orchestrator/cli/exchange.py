@@ -30,7 +30,7 @@ def export(
     ] = None,
     parameter_set: Annotated[
         list[str] | None,
-        typer.Option(help='Further parameter set, as cold:spring.damping="2 N*s/m"; may repeat.'),
+        typer.Option(help="Further parameter set, as heavy:payload.mass=2g; may repeat."),
     ] = None,
     version: Annotated[str, typer.Option("--ssp", help="Version of SSP, 1.0 or 2.0.")] = "1.0",
     set_: common.Sets = None,
@@ -46,6 +46,7 @@ def export(
 
     It holds structure, parameters and FMUs.
 
+    \b
     Example: resilin export flapping-full-wings --output vehicle.ssp --native
     """
     from ..errors import InputError
@@ -144,6 +145,7 @@ def schema() -> None:
 
     It is for completion and checks.
 
+    \b
     Example: resilin schema > scenario.schema.json
     """
     from ..scenario.schema import json_schema

@@ -46,7 +46,7 @@ def fit(
     ] = None,
     keys: Annotated[
         list[str] | None,
-        typer.Option("--with", help="Key of a recording, as in a scenario: interpolation=linear."),
+        typer.Option("--with", help="Key of a recording, as interpolation=linear; may repeat."),
     ] = None,
     hold: common.Holds = None,
     set_: common.Sets = None,
@@ -69,6 +69,7 @@ def fit(
 
     It is done by least squares, over the recorded outputs or those of --variable.
 
+    \b
     Example: resilin fit bench.csv --part payload --parameter mass --native
     """
     from ..errors import InputError

@@ -44,6 +44,7 @@ def inspect(
     No FMU is loaded, except for --stability. An .fmu file, or a part that is no scenario, is
     shown as by `resilin parts`.
 
+    \b
     Example: resilin inspect flapping-full-wings --output vehicle.svg
     """
     from ..report.files import check_place
@@ -110,6 +111,7 @@ def _scenes() -> None:
 def scenarios(json: common.Json = False) -> None:
     """List the scenarios that come with the package.
 
+    \b
     Example: resilin scenarios
     """
     from ..scenario.files import scenario_names

@@ -26,7 +26,9 @@ def linearise(
     scenario: common.ScenarioName,
     inputs: Annotated[
         list[str] | None,
-        typer.Option("--input", help="Input without a wire, to perturb; all if not given."),
+        typer.Option(
+            "--input", help="Input without a wire, to perturb; may repeat. All if not given."
+        ),
     ] = None,
     variables: common.Variables = None,
     output: Annotated[
@@ -58,8 +60,9 @@ def linearise(
     It is done through the FMUs alone, and shows the recorded variables that answer. A driven one
     is at rest once a cycle: --interval "1 cycle".
 
-    Example: resilin linearise oscillator-1 --set amplifier.waveform=external
-    --hold amplifier.command.top="1 kV" --output bode.svg
+    \b
+    Example: resilin linearise oscillator-1 --set amplifier.waveform=external \\
+      --hold amplifier.command.top="1 kV" --output bode.svg
     """
     from ..errors import InputError
     from ..report.image import check_plot

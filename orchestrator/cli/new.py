@@ -25,8 +25,9 @@ def part(
     name: Annotated[str, typer.Argument(help="Name of the part and of its folder.")],
     into: Annotated[Path, typer.Option(help="Where the folder goes.")] = Path(),
 ) -> None:
-    """Write a folder with physics, reference answer and test, to be changed.
+    """Write a folder with physics, reference answer and test.
 
+    \b
     Example: resilin new part coil
     """
     import build_fmus

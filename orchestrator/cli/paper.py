@@ -45,6 +45,7 @@ def paper(
     It shows the error of each number. Finished runs are kept beside the page, and repeated only if
     scenario, FMUs or version change.
 
+    \b
     Example: resilin paper figure11 equation6
     """
     from ..report.page import check_page, write

@@ -31,6 +31,7 @@ def parts(
 ) -> None:
     """List the parts; or show one: its parameters and ports.
 
+    \b
     Example: resilin parts amplifier
     """
     with common.reported():

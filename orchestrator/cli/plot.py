@@ -40,6 +40,7 @@ def plot(
     lines over one axis. Over two axes a sweep becomes a heat map, two the heat map of their
     difference.
 
+    \b
     Example: resilin plot flapping-full-wings --variable "linkage.*_energy"
     """
     from ..report.image import check_plot

@@ -25,7 +25,9 @@ def precision(
     method: common.MethodTexts = None,
     factor: Annotated[
         list[float] | None,
-        typer.Option(help="Steps as multiples of the scenario's; 8 to 1/8 if not given."),
+        typer.Option(
+            help="Step as a multiple of the scenario's; may repeat. 8 to 1/8 if not given."
+        ),
     ] = None,
     tolerance: Annotated[
         list[float] | None,
@@ -33,7 +35,7 @@ def precision(
     ] = None,
     also: Annotated[
         list[str] | None,
-        typer.Option(help="Another scenario at the same steps, against the same reference."),
+        typer.Option(help="Another scenario at the same steps and reference; may repeat."),
     ] = None,
     reference: Annotated[
         str | None,
@@ -63,6 +65,7 @@ def precision(
 
     The error of the variables counts, by default that of the scenario's leading ones.
 
+    \b
     Example: resilin precision flapping-full-wings --stop "10 cycles"
     """
     from ..errors import InputError

@@ -37,6 +37,7 @@ def record(
 
     The recording can take the place of the part.
 
+    \b
     Example: resilin record flapping-full-wings --part amplifier --stop "10 cycles"
     """
     from ..report.files import check_place

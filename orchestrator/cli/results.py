@@ -29,6 +29,7 @@ def results(
 ) -> None:
     """List the results in a folder, the newest first, with what was changed against the scenario.
 
+    \b
     Example: resilin results
     """
     from ..results.listing import entry_of, results_in

@@ -60,6 +60,7 @@ def run(
 
     A result of the same name but of other settings is kept, under a name with its digest.
 
+    \b
     Example: resilin run flapping-full-wings --set amplifier.frequency="20 Hz"
     """
     from ..report.page import check_page
@@ -116,6 +117,7 @@ def recover(
 ) -> None:
     """Make a partial result of what a killed run had written.
 
+    \b
     Example: resilin recover results/oscillator-1.segments
     """
     from ..results.netcdf import recover as recovered

@@ -49,6 +49,7 @@ def stability(
     Each takes 4 to 1024 steps in a cycle. A run is accurate, bounded but inaccurate with a
     warning, stopped with an error, or silently wrong; a silently wrong one makes the exit code 1.
 
+    \b
     Example: resilin stability --case water --method gauss-seidel
     """
     from ..errors import InputError

@@ -22,7 +22,7 @@ def sweep(
     over: Annotated[
         list[str],
         typer.Option(
-            help="Axis, as amplifier.frequency=1:50:2Hz, =1:50/26Hz or =2,4,6,8.",
+            help="Axis, as amplifier.frequency=1:50:2Hz, =1:50/26Hz or =2,4,6,8; may repeat.",
             autocompletion=completion.start_values,
         ),
     ],
@@ -54,6 +54,7 @@ def sweep(
     Its metrics are kept over the axes. A point that fails does not affect the others. A sweep that
     was stopped goes on where it was when the same command is given again.
 
+    \b
     Example: resilin sweep flapping-full-wings --over amplifier.frequency=10:26:1Hz
     """
     from ..simulation.interrupt import Interrupt
