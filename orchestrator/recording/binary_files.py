@@ -65,7 +65,8 @@ def _owner(path: Path, headings: list[Heading]) -> str:
     owners = {h.name.partition(".")[0] for h in headings if "." in h.name}
     if len(owners) > 1:
         raise RecordingError(
-            f'{path}: holds several components; choose one by component = "...";'
+            f'{path}: holds several components; choose one by component = "NAME",'
+            " on the command line --with component=NAME;"
             f" {nearest('', owners)}"
         )
     return next(iter(owners), "")

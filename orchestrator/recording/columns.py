@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..errors import Problems, RecordingError, nearest, printable
 from ..units import PURE, UnitError, check_unit, factor
+from .named_column import in_scenario, on_command_line
 from .table import TIME, Column
 
 _WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*")
@@ -95,10 +96,12 @@ class Choice:
                 f" {nearest(TIME, texts)}",
             )
         elif len(taken) < (1 if self.interval else 2):
+            others = [text for text in texts if text.lower() not in CLOCKS]
             problems.add(
                 "headings",
-                "no column has the name of a variable; name the variables under columns, as"
-                f' {{ "F (N)" = "force.value" }}; {nearest("", texts)}',
+                "no column has the name of a variable; name the variables, as"
+                f" {in_scenario(others, 'force.value')}, on the command line"
+                f" {on_command_line(others, 'force.value')}; {nearest('', texts)}",
             )
         for k in clocks:
             headings[k] = Heading(headings[k].text, headings[k].name, "s")

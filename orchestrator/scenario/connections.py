@@ -11,6 +11,9 @@ from ..units import UnitError, factor
 from .schema import Scenario, Wire
 from .start_values import start_value
 
+NO_FMU = 0
+"""Version of FMI by which a recording is told from an FMU."""
+
 LAW_ORDERS = {"held": 0, "affine": 1, "curvature": 2}
 
 
@@ -157,8 +160,13 @@ def _end(
     if members:
         return component, members, True
     names = [v.name for v in interface.of(causality)] + interface.ports()
+    remedy = ""
+    if interface.version == NO_FMU and causality == "output":
+        from ..recording.named_column import in_scenario
+
+        remedy = f"; say which column it is, as {in_scenario(names, rest)}"
     raise ScenarioError(
-        f"no {causality} {printable(rest)!r} in {component}; {nearest(rest, names)}"
+        f"no {causality} {printable(rest)!r} in {component}; {nearest(rest, names)}{remedy}"
     )
 
 

@@ -118,11 +118,14 @@ def _drops_wire(
         dropped.append(f"{shown}: not in the recording; held instead")
         return True
     wanted = f"{rest}.{first.member}"
-    hint = nearest(wanted, interfaces[name].variables)
+    from ..recording.named_column import in_scenario
+
+    columns = interfaces[name].variables
     problems.add(
         f"wires {printable(wire.source)} -> {printable(wire.target)}",
-        "the recording has no column"
-        f' {printable(wanted)}; {hint}; record it, or hold "{target}.{first.name}"',
+        f"the recording has no column {printable(wanted)}; {nearest(wanted, columns)};"
+        f" say which column it is, as {in_scenario(columns, wanted)}, record it,"
+        f' or hold "{target}.{first.name}"',
     )
     return True
 

@@ -50,8 +50,13 @@ def call(c: Context, node: ast.Call) -> Value:
         if module is math:
             return _mathematics(c, node, function.attr)
         if module is None:
+            owner = function.value
+            if isinstance(owner, ast.Name) and expressions.is_unknown(c, owner.id):
+                c.refuse(node, expressions.unknown(owner.id))
             c.refuse(node, f"{shown}() is outside the subset")
         source, name = c.unit.source(c, node, module), function.attr
+    elif isinstance(function, ast.Name) and expressions.is_unknown(c, function.id):
+        c.refuse(node, expressions.unknown(function.id))
     elif isinstance(function, ast.Name) and function.id not in c.stored:
         source, name = c.source, function.id
     else:

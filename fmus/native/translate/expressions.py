@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import dataclasses
 import math
 import operator
+import sys
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any
@@ -92,7 +94,7 @@ def _name(c: Context, node: ast.Name) -> Value:
         place = c.places.get(name, "variable")
         return Value(c.named(name), kind, place=place, simple=True, below=c.loops.get(name))
     if name not in vars(c.source.module):
-        c.refuse(node, f"{name} is not known")
+        c.refuse(node, unknown(name))
     return c.unit.global_value(c, node, c.source, name)
 
 
@@ -121,6 +123,20 @@ def _attribute(c: Context, node: ast.Attribute) -> Value:
         place="variable" if owner.place != "value" else "value",
         simple=owner.simple,
     )
+
+
+def unknown(name: str) -> str:
+    """What a refusal says of a name that the module does not have, and the way out."""
+    if name in dir(math):
+        return f"{name} is not known; write math.{name}, with import math at the head of the file"
+    if name in sys.stdlib_module_names:
+        return f"{name} is not imported; write import {name} at the head of the file"
+    return f"{name} is not known; define or import it"
+
+
+def is_unknown(c: Context, name: str) -> bool:
+    """Whether a name is neither a variable, nor in the module, nor Python's own."""
+    return not (name in c.stored or name in vars(c.source.module) or name in dir(builtins))
 
 
 def module_of(c: Context, node: ast.expr) -> ModuleType | None:

@@ -12,6 +12,7 @@ import numpy as np
 from ...errors import InputError, ScenarioError, nearest, printable
 from ...fmi.description import Interface, Variable
 from ...recording.columns import EVERY
+from ...recording.named_column import on_command_line
 from ...recording.recording import Recording, open_recording
 from ...scenario.component_options import component_of
 from ...scenario.library import LIBRARY
@@ -126,7 +127,8 @@ def _alone(
         inputs = [v.name for v in known.of("input")]
         raise InputError(
             f"{recording.interface.path}: has no column of an input of {name};"
-            f" {nearest(min(columns), inputs)}"
+            f" {nearest(min(columns), inputs)}; say which column it is, as"
+            f" {on_command_line(columns, inputs[0])}"
         )
     return Scenario(
         components={
@@ -170,7 +172,9 @@ def _within(asked: Asked, component: Component, recording: Recording) -> tuple[S
             problems.append(
                 f"{recording.interface.path}: has no column of {wire.source}, which feeds"
                 f" {wire.target} in {asked.scenario}; {nearest(wire.source, {*columns, *ports})};"
-                f" record it, or --hold {wire.target}...=value"
+                f" say which column it is, as"
+                f" {on_command_line(columns, wire.source)}, record it,"
+                f" or --hold {wire.target}...=value"
             )
     if problems:
         raise ScenarioError(problems)
@@ -216,7 +220,8 @@ def _pairs(
                for v in i.of("output")]  # fmt: skip
     raise InputError(
         f"{path}: has no column of an output of {', '.join(interfaces)} to compare with;"
-        f" {nearest(next(iter(_measured(recording)), ''), outputs)}"
+        f" {nearest(next(iter(_measured(recording)), ''), outputs)}; say which column it is, as"
+        f" {on_command_line(_measured(recording), next(iter(outputs), 'OUTPUT'))}"
     )
 
 

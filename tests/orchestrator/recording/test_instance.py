@@ -282,6 +282,21 @@ def test_what_a_recording_cannot_take_is_dropped(
     assert "dropped" in shown.output
 
 
+def test_a_column_of_another_name_is_told_how_it_is_named(library: Path, tmp_path: Path) -> None:
+    (tmp_path / "bench.csv").write_text("time,Voltage [V],Force [N]\n0,0,0\n1,1,1\n")
+    head = '[time]\nstop = 1\nstep = 0.1\n[components.source]\ndata = "bench.csv"\n'
+    wire = '[[wires]]\nfrom = "source.top.voltage"\nto = "spring.top.voltage"\n'
+    rest = '[components.spring]\nfmu = "spring"\n' + wire
+    rest += '[hold]\n"spring.bottom.voltage" = 0\n"spring.motion.displacement" = 0\n'
+    (tmp_path / "bench.toml").write_text(head + rest)
+    remedy = 'columns = { Voltage = "top.voltage" }'
+    with pytest.raises(ScenarioError) as caught:
+        load(tmp_path / "bench.toml", None, library)
+    assert f"say which column it is, as {remedy}" in str(caught.value)
+    (tmp_path / "bench.toml").write_text(f"{head}{remedy}\n{rest}")
+    load(tmp_path / "bench.toml", None, library)
+
+
 def test_a_port_that_was_not_recorded_is_reported_or_held(library: Path, tmp_path: Path) -> None:
     (tmp_path / "bench.csv").write_text("time,force.valeu [N]\n0,0\n1,1\n")
     path = tmp_path / "scenario.toml"
@@ -291,6 +306,7 @@ def test_a_port_that_was_not_recorded_is_reported_or_held(library: Path, tmp_pat
         load(path, None, library)
     assert "has no column force.value; did you mean 'force.valeu'?" in str(caught.value)
     assert 'hold "amplifier.top.charge"' in str(caught.value)
+    assert 'columns = { "force.valeu" = "force.value" }' in str(caught.value)
     path.write_text(
         text + 'columns = { "force.valeu" = "force.value" }\n'
         '[hold]\n"amplifier.top.charge" = 0\n"amplifier.bottom.charge" = 0\n'

@@ -122,7 +122,15 @@ BAD: dict[str, tuple[str | bytes, dict[str, object], list[str]]] = {
         {"columns": {"force.value": "a", "force.value [N]": "b"}},
         ["repeats the column or variable of another"],
     ),
-    "nothing named": ("time,3 x\n0,1\n1,2\n", {}, ["no column has the name of a variable"]),
+    "nothing named": (
+        "time,3 x\n0,1\n1,2\n",
+        {},
+        [
+            "no column has the name of a variable",
+            'columns = { "3 x" = "force.value" }',
+            "--with 'columns.3 x=force.value'",
+        ],
+    ),
     "unit of none": (GOOD, {"units": {"forse.value": "N"}}, ["did you mean 'force.value [N]'"]),
     "no unit": ("time,y [furlongs per]\n0,1\n1,2\n", {}, ["column 'y [furlongs per]'"]),
     "time in newtons": ("time [N],y\n0,1\n1,2\n", {}, ["column 'time [N]'", "not convertible"]),
@@ -196,7 +204,7 @@ def test_netcdf_of_ours_and_of_others(tmp_path: Path) -> None:
     data = {name: ("time", time, {"units": "N"}) for name in names}
     ours = xarray.Dataset(data, coords={"time": time}, attrs={"resilin_version": "1"})
     ours.to_netcdf(path)
-    with pytest.raises(RecordingError, match="several components"):
+    with pytest.raises(RecordingError, match=r"several components.*--with component=NAME"):
         read_table(path, Choice())
     with pytest.raises(RecordingError, match="did you mean 'spring'"):
         read_table(path, Choice(component="sprng"))

@@ -98,7 +98,9 @@ STATEMENTS = {
     "a = helper(math.floor(x))": "write float()",
     "a = g(x)": "calls itself",
     "a = unknown": "unknown is not known",
-    "a = unknown(x)": "unknown() is outside the subset",
+    "a = unknown(x)": "unknown is not known; define or import it",
+    "a = fabs(x)": "fabs is not known; write math.fabs, with import math",
+    "a = cmath.sqrt(x)": "cmath is not imported; write import cmath",
     "a = x.hex()": "outside the subset",
     "a = ROW[0.5]": "an int is needed",
     "a = ROW[2]": "beyond 2 entries",
@@ -196,6 +198,13 @@ def test_a_statement_is_refused_where_it_stands(tmp_path: Path, statement: str) 
         assert lines[line - 1].startswith(statement.split(" ")[-1].split("[")[0])
     elif "g(x)" not in statement:
         assert FIRST <= line < FIRST + len(statement.splitlines()) + 1
+
+
+@pytest.mark.parametrize("value", ["math.fabs(x)", "x * math.pi"])
+def test_a_missing_import_is_named(tmp_path: Path, value: str) -> None:
+    body = f"def f(x: float, y: float) -> float:\n    return {value}\n"
+    said = refusal(tmp_path, HEAD.replace("import math\n", "") + body)
+    assert "math is not imported; write import math" in said
 
 
 @pytest.mark.parametrize("text", FUNCTIONS)
