@@ -274,6 +274,7 @@ def _report(
         f" {outcome.simulated:.3f} s simulated in {outcome.wall_time:.2f} s,"
         f" {speed:.1f} times real time",
         highlight=False,
+        soft_wrap=True,
     )
     if compiled:
         console.print(f"compiled parts: {', '.join(compiled)} (--python for the others)")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING, Any
@@ -12,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from ...errors import printable
 from ...results.metrics import shown
 from ...results.scenario_attribute import scenario_table
-from ...scenario.metric_expression import expression_of, not_recorded
 from ...units import UnitError, factor
 from .dataset import BESIDE
 
@@ -116,13 +114,16 @@ def remarks(data: xarray.Dataset) -> Iterator[str]:
 
 
 def _left_out(data: xarray.Dataset) -> Iterator[str]:
-    """Metrics of the scenario that no point can have, as their variables are not recorded."""
+    """Metrics of the scenario that no point has, where there are points to have them."""
+    if not (data["status"] == DONE).any():
+        return
     known = {str(column.attrs.get("long_name")) for column in data.data_vars.values()}
-    for name, text in scenario_table(data.attrs, "metrics").items():
+    for name in scenario_table(data.attrs, "metrics"):
         if name != "cycles" and name not in known:
-            with suppress(ValueError):
-                reason = not_recorded(expression_of(str(text)), ())
-                yield f"metric left out: {printable(name)}: {printable(reason, most=900)}"
+            yield (
+                f"metric left out: {printable(name)}: no point has a value; resilin inspect tells"
+                " whether its variables are recorded"
+            )
 
 
 def _peak(data: xarray.Dataset) -> str:

@@ -122,7 +122,8 @@ def test_a_metric_that_is_not_recorded_is_named_by_every_command(
     assert run.exit_code == 0 and f"metric left out: {remedy}" in run.output.splitlines()
     assert "Metrics left out" in (tmp_path / "a.html").read_text()
     sweep = ["sweep", *common, *short, "--over", "amplifier.frequency=10,20"]
-    assert remedy in " ".join(runner.invoke(app, sweep).output.split())
+    swept = runner.invoke(app, sweep).output
+    assert "metric left out: driven: no point has a value" in " ".join(swept.split())
     shown = runner.invoke(app, ["inspect", *common], env={"COLUMNS": "200"}).output
     assert 'left out: not recorded; under [record] write variables = ["spring' in shown
     listed = runner.invoke(app, ["run", *common, *short, "--json"]).stdout

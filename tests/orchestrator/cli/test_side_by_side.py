@@ -129,7 +129,7 @@ def test_a_run_that_records_nothing_shows_no_empty_table(desk: Path, library: Pa
     )
     done = resilin("run", "mute.toml", "--fmus", library)
     assert done.exit_code == 0, done.output
-    assert "metric" not in done.output and "result: results/mute.nc" in done.output
+    assert "┃" not in done.output and "result: results/mute.nc" in done.output
     assert [path.name for path in (desk / "results").iterdir()] == ["mute.nc"]
     refused = resilin("plot", "results/mute.nc")
     assert refused.exit_code == 2 and "nothing to draw" in refused.stderr

@@ -49,8 +49,9 @@ def test_only_what_varies_is_in_the_table(library: Path) -> None:
     text = printed(data)
     assert "travel" in text and "mm" in text and "48.00" in text and "Hz" in text
     assert "payload" not in text
-    (same,) = remarks(data)
+    same, *left_out = remarks(data)
     assert same == "the same at every point: payload.mass 0.001 kg, frequency 50.00 Hz, steps 100"
+    assert any(line.startswith("metric left out: phase: no point has") for line in left_out)
 
 
 def test_a_failed_point_is_named_with_its_reason(library: Path) -> None:
