@@ -16,6 +16,7 @@ export PYTHONDONTWRITEBYTECODE :=
 run: $(VENV)/core
 	$(BIN)/python build_fmus.py
 	$(BIN)/resilin run $(SCENARIO)
+	@echo "resilin in this shell: . $(BIN)/activate"
 
 test: lint $(COFMPY)/ready
 	$(BIN)/pytest -n 3 -m "not slow"

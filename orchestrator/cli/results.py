@@ -27,7 +27,9 @@ def results(
     ] = common.RESULTS,
     json: common.Json = False,
 ) -> None:
-    """List the results in a folder, the newest first, with what was changed against the scenario.
+    """List the results in a folder, the newest first.
+
+    It shows what was changed against the scenario, and marks what is not to be used.
 
     \b
     Example: resilin results

@@ -16,6 +16,10 @@ from tests.processes import python
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 NUMBER = r"(-?\d+(?:\.\d+)?(?:e[-+]\d+)?)"
+LONG = {"sweep_with_plot", "fit_a_parameter", "error_against_run_time", "controller_in_the_loop"}
+MARKED = [
+    pytest.param(path, marks=[pytest.mark.slow] if path.stem in LONG else []) for path in EXAMPLES
+]
 
 Figure = tuple[str, float, float]
 """What stands before a number that is printed, and the bounds of that number."""
@@ -76,7 +80,7 @@ def named(paths: list[Path]) -> list[str]:
     return [path.stem for path in paths]
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=named(EXAMPLES))
+@pytest.mark.parametrize("example", MARKED, ids=named(EXAMPLES))
 def test_an_example_runs_and_its_figures_are_right(
     example: Path, python_parts: Path, native: Path, tmp_path: Path
 ) -> None:

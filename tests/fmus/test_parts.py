@@ -288,17 +288,20 @@ def telling(part: Part) -> tuple[str, float, str]:
         return np.array(dataclasses.astuple(physics.observe(params, state, given, 1e-4)))
 
     plain = after(physics.Params())
-    for v in (v for v in part.variables if v.causality == "parameter" and not v.quantity.choices):
+    parameters = [v for v in part.variables if v.causality == "parameter"]
+    for v in sorted(parameters, key=lambda v: bool(v.quantity.choices)):
         most = math.inf if v.quantity.most is None else v.quantity.most
-        for changed in (2.0 * v.start, 0.5 * v.start, 1e-2):
+        sizes = (2.0 * v.start, 0.5 * v.start, 1e-2)
+        others = (1.0, 2.0, 3.0) if v.quantity.choices else sizes
+        for changed in others:
             if changed in (v.start, 0.0) or not (v.quantity.least or -math.inf) <= changed <= most:
                 continue
             with contextlib.suppress(ValueError):
                 moved = np.abs(after(physics.Params(**{v.field: changed})) - plain)
                 if moved.max() > 0.0:
                     outputs = [o.name for o in part.variables if o.causality == "output"]
-                    sizes = moved / np.maximum(np.abs(plain), 1e-30)
-                    return v.name, changed, outputs[int(np.argmax(sizes))]
+                    shares = moved / np.maximum(np.abs(plain), 1e-30)
+                    return v.name, changed, outputs[int(np.argmax(shares))]
     raise AssertionError(f"no parameter of {part.name} changes an output")
 
 

@@ -74,7 +74,7 @@ def kinds(library: Path, folder: Path) -> dict[str, Kind]:
         "csv": Kind(TABLES, "input.csv", mutators.CSV, _recording),
         "matlab": Kind(_matlab(), "input.mat", mutators.BYTES, _recording, usual=100),
         "netcdf": Kind(_netcdf(folder), "input.nc", mutators.BYTES, _recording, usual=100),
-        "parquet": Kind(_parquet(), "input.parquet", mutators.BYTES, _recording, usual=100),
+        "parquet": Kind(_parquet(), "input.parquet", mutators.BYTES, _recording, usual=50),
         "result": Kind(_results(folder), "input.nc", mutators.BYTES, _result, usual=100),
     }
 

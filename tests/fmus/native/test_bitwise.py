@@ -16,7 +16,7 @@ PARTS = build_fmus.compilable()
 @pytest.mark.parametrize("name", PARTS)
 def test_a_random_walk(native: Path, tmp_path: Path, name: str) -> None:
     """Random inputs, parameters, resets, rollbacks and faults."""
-    pair = wander(name, Library(native / f"{name}.fmu", tmp_path), 2000, seed=3)
+    pair = wander(name, Library(native / f"{name}.fmu", tmp_path), 1000, seed=3)
     assert pair.discarded > 0 or not pair.inputs, "nothing that a unit without inputs could refuse"
 
 

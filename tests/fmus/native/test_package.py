@@ -22,6 +22,7 @@ from tests.fmus.native.pair import Library, Pair
 from tests.fmus.native.wander import wander
 
 PARTS = build_fmus.compilable()
+QUICK = {"payload", "table"}
 DIFFERENT = {"guid", "generationTool", "needsExecutionTool", "providesDirectionalDerivative"}
 SOURCES = {"SourceFiles", "File"}
 
@@ -62,7 +63,10 @@ def test_the_description_is_that_of_the_python_fmu(library: Path, native: Path, 
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", PARTS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in PARTS],
+)
 def test_another_tool_builds_it_from_its_sources(native: Path, tmp_path: Path, name: str) -> None:
     """fmpy and CMake, with options of their own: the same bits as from our library."""
     extract(str(native / f"{name}.fmu"), str(tmp_path / "fmu"))

@@ -198,7 +198,10 @@ def test_the_limit_of_a_split_electrode(library: Path, tmp_path: Path, kind: str
 
 
 @pytest.mark.parametrize("laws", ["held", "curvature"])
-@pytest.mark.parametrize(("resistance", "capacitance"), [("1 kOhm", "1 nF"), ("10 MOhm", "10 nF")])
+@pytest.mark.parametrize(
+    ("resistance", "capacitance"),
+    [("1 kOhm", "1 nF"), pytest.param("10 MOhm", "10 nF", marks=pytest.mark.slow)],
+)
 def test_our_electrode_has_no_limit(
     library: Path, tmp_path: Path, laws: str, resistance: str, capacitance: str
 ) -> None:

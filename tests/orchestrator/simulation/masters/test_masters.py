@@ -16,6 +16,11 @@ from orchestrator.studies.reference.monolith import as_recorded, monolithic
 from tests.conftest import Runner
 
 KINDS = sorted(MASTERS)
+QUICKER = [
+    pytest.param(kind, marks=[pytest.mark.slow] if kind == "interface-newton" else [])
+    for kind in KINDS
+]
+"""The same, with the one that takes as long as all others among the slow tests."""
 
 
 def error(library: Path, kind: str, laws: str, steps: int) -> float:
@@ -34,7 +39,7 @@ def error(library: Path, kind: str, laws: str, steps: int) -> float:
     return float(np.abs(found - exact).max() / np.abs(exact).max())
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", QUICKER)
 def test_every_master_is_second_order_with_laws(library: Path, kind: str) -> None:
     coarse, fine = (error(library, kind, "curvature", n) for n in (80, 160))
     assert np.log2(coarse / fine) > 1.6
@@ -53,7 +58,7 @@ def test_sequence_beats_parallel_with_laws(library: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", QUICKER)
 def test_the_vehicle_flies_with_every_master(outcome: Runner, kind: str) -> None:
     done = outcome(
         "flapping-spring-full-wings",
@@ -64,7 +69,7 @@ def test_the_vehicle_flies_with_every_master(outcome: Runner, kind: str) -> None
     assert 0.8e-3 < np.abs(done.series("linkage.displacement")).max() < 1.6e-3
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", QUICKER)
 def test_a_coupling_too_stiff_is_stopped(outcome: Runner, kind: str) -> None:
     """Held values, stiffness a thousand times: bounded, or stopped; never 1e18."""
     done = outcome(

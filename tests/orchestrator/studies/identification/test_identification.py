@@ -159,6 +159,7 @@ def test_each_output_counts_by_its_own_noise(native: Path, tmp_path: Path) -> No
     assert found.values[0] == pytest.approx(0.6e-3, abs=3.0 * found.intervals[0])
 
 
+@pytest.mark.slow
 def test_coloured_noise_widens_the_intervals(
     native: Path, tmp_path: Path, oscillation: Path
 ) -> None:
@@ -169,6 +170,7 @@ def test_coloured_noise_widens_the_intervals(
     assert any("are not noise" in line for line in remarks(coloured))
 
 
+@pytest.mark.slow
 def test_what_the_data_do_not_determine_is_remarked(
     native: Path, tmp_path: Path, oscillation: Path
 ) -> None:

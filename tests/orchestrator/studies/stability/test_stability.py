@@ -146,6 +146,7 @@ def test_all_problems_of_all_cases_at_once(library: Path, tmp_path: Path) -> Non
         load_cases(file, ["c"])
 
 
+@pytest.mark.slow
 def test_the_command(library: Path, tmp_path: Path) -> None:
     file = tmp_path / "one.toml"
     file.write_text(CASES)

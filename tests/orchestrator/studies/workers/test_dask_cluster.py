@@ -63,7 +63,7 @@ if __name__ == "__main__":
     assert not (tmp_path / "imported").exists()
 
 
-@pytest.mark.parametrize("protocol", ["tls", "tcp"])
+@pytest.mark.parametrize("protocol", ["tls", pytest.param("tcp", marks=pytest.mark.slow)])
 def test_a_cluster_of_ours_serves_nobody_else(protocol: str) -> None:
     """Whoever reaches a scheduler may have it run anything; ours asks for its own certificate."""
     with dask_cluster.local(1) as client:
