@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from ..results.outcome import Outcome
     from ..results.recorded import Recorded
 
+MOST_LOST = 2
+"""Metrics left out that have a line each."""
+
 
 def add_to(app: typer.Typer) -> None:
     """Register the commands."""
@@ -234,6 +237,19 @@ def _facts(
     }
 
 
+def _lost(gone: Sequence[LeftOut]) -> list[str]:
+    """Lines on the metrics that are left out: one for all where there are many."""
+    from ..errors import printable
+
+    if len(gone) > MOST_LOST:
+        names = ", ".join(printable(each.name) for each in gone)
+        return [f"metrics left out: {names}; resilin inspect says why"]
+    return [
+        f"metric left out: {printable(each.name)}: {printable(each.reason, most=900)}"
+        for each in gone
+    ]
+
+
 def _report(
     outcome: Outcome,
     found: Sequence[Metric],
@@ -284,8 +300,7 @@ def _report(
         console.print(stated, highlight=False, soft_wrap=True)
     if verbose:
         _print_details(console, outcome)
-    for each in gone:
-        text = f"metric left out: {printable(each.name)}: {printable(each.reason, most=900)}"
+    for text in _lost(gone):
         console.print(Text(text), soft_wrap=True)
     for dropped in notes.dropped:
         console.print(Text(f"dropped: {printable(dropped, most=200)}"), soft_wrap=True)
