@@ -39,7 +39,7 @@ class Kind:
     file: str
     mutators: tuple[Mutator, ...]
     read: Callable[[Path], None]
-    usual: int = 200
+    usual: int = 100
     most: int = 10_000
 
     def mutated(self, seed: int) -> bytes:
@@ -72,10 +72,10 @@ def kinds(library: Path, folder: Path) -> dict[str, Kind]:
             scenario,
         ),
         "csv": Kind(TABLES, "input.csv", mutators.CSV, _recording),
-        "matlab": Kind(_matlab(), "input.mat", mutators.BYTES, _recording, usual=100),
-        "netcdf": Kind(_netcdf(folder), "input.nc", mutators.BYTES, _recording, usual=100),
+        "matlab": Kind(_matlab(), "input.mat", mutators.BYTES, _recording, usual=50),
+        "netcdf": Kind(_netcdf(folder), "input.nc", mutators.BYTES, _recording, usual=50),
         "parquet": Kind(_parquet(), "input.parquet", mutators.BYTES, _recording, usual=50),
-        "result": Kind(_results(folder), "input.nc", mutators.BYTES, _result, usual=100),
+        "result": Kind(_results(folder), "input.nc", mutators.BYTES, _result, usual=50),
     }
 
 

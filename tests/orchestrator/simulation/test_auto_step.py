@@ -31,7 +31,7 @@ AUTO = {"step": "auto", "stop": "10 cycles"}
     "scenario",
     [
         "oscillator-1",
-        "flapping-spring-full-wings",
+        pytest.param("flapping-spring-full-wings", marks=pytest.mark.slow),
         pytest.param("flapping-no-wing", marks=pytest.mark.slow),
         pytest.param("flapping-full-wings", marks=pytest.mark.slow),
     ],

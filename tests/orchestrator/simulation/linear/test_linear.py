@@ -279,6 +279,7 @@ def test_a_drive_that_is_on_is_known_from_the_start_values(
     assert driving(unloaded(scenario, changes, library, time=time)) == parameter
 
 
+@pytest.mark.slow
 def test_the_commands(library: Path, tmp_path: Path) -> None:
     options = ["--fmus", str(library), "--set", "amplifier.waveform=external"]
     held = ["--hold", "amplifier.command.top=1 kV", "--output", str(tmp_path / "b.svg")]
