@@ -19,6 +19,12 @@ def tuples(value: Any) -> Any:
     return tuple(tuples(entry) for entry in value) if isinstance(value, list) else value
 
 
+def literal(text: str) -> str:
+    """A text of a stranger's as Python source has it."""
+    plain = text.isascii() and text.isprintable() and not set(text) & {'"', "\\"}
+    return f'"{text}"' if plain else repr(text)
+
+
 def shipped(path: Path, make: Callable[[], str]) -> str:
     """The text of a generated file: as it was shipped, or as it is made."""
     return path.read_text(encoding="utf-8") if path.is_file() else make()

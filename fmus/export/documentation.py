@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+TERMINALS = "terminalsAndIcons"
+"""Folder and file of FMI 3 for terminals and icons."""
 MARKS = Path(__file__).parent / "icons"
 """Marks of the terminals: a triangle into the part, and one out of it."""
 LINK = re.compile(r'<a href="(?![a-z]+:|#)[^"]*">(.*?)</a>', re.DOTALL)
@@ -38,9 +40,10 @@ pre {{ overflow-x: auto; background: #f4f4f4; padding: 0.6rem; }}
 
 @dataclass(frozen=True)
 class Documentation:
-    """Texts and pictures by what they are; empty where a part has none."""
+    """README, drawing and picture of a part as they are; empty where it has none."""
 
-    page: bytes
+    title: str
+    readme: bytes
     drawing: bytes
     picture: bytes
 
@@ -52,40 +55,34 @@ class Documentation:
     @property
     def digest(self) -> str:
         """What stands for all of it in the digest of an FMU."""
-        digest = hashlib.sha256()
-        for content in (self.page, self.drawing, self.picture):
+        digest = hashlib.sha256(PAGE.encode())
+        for content in (self.readme, self.drawing, self.picture):
             digest.update(str(len(content)).encode() + b"\0" + content)
         return digest.hexdigest()
 
     def files(self, fmi: int) -> dict[str, bytes]:
         """Place in the archive of that version of FMI -> content."""
-        files = {"documentation/index.html": self.page}
+        page = _page(self.title, self.readme.decode()).encode() if self.readme else b""
+        files = {"documentation/index.html": page}
         if fmi == 2:
             files["model.png"] = self.picture
         else:
-            folder = "terminalsAndIcons"
-            files |= {f"{folder}/icon.svg": self.drawing, f"{folder}/icon.png": self.picture}
+            files |= {f"{TERMINALS}/icon.svg": self.drawing, f"{TERMINALS}/icon.png": self.picture}
             if self.has_icon:
-                files |= {f"{folder}/{mark.name}": mark.read_bytes() for mark in _marks()}
+                marks = sorted(MARKS.glob("*.*"))
+                files |= {f"{TERMINALS}/{mark.name}": mark.read_bytes() for mark in marks}
         return {name: content for name, content in files.items() if content}
 
 
 def documentation_of(part: Any) -> Documentation:
     """The documentation of a part: `README.md`, `icon.svg` and `icon.png` of its folder."""
     folder = Path(part.physics.__file__).parent
-    page = b""
-    if (folder / "README.md").is_file():
-        page = _page(part.name, (folder / "README.md").read_text(encoding="utf-8")).encode()
-    drawing, picture = (_content(folder / f"icon.{kind}") for kind in ("svg", "png"))
-    return Documentation(page, drawing, picture)
+    names = ("README.md", "icon.svg", "icon.png")
+    return Documentation(part.name, *(_content(folder / name) for name in names))
 
 
 def _content(path: Path) -> bytes:
     return path.read_bytes() if path.is_file() else b""
-
-
-def _marks() -> list[Path]:
-    return sorted(MARKS.glob("*.*"))
 
 
 def _page(title: str, text: str) -> str:

@@ -7,11 +7,12 @@ import zipfile
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from ..export.documentation import TERMINALS
 from ..model_description import model_description
 from ..part import Part, Variable
 from . import fmi3_description, table
 from .link import libraries
-from .terminals import FOLDER, terminals_and_icons
+from .terminals import terminals_and_icons
 from .translate import unit, words
 
 HERE = Path(__file__).parent
@@ -66,8 +67,18 @@ def packed(
     variables = part.variables_with(starts)
     files = sources(part, guid, variables, into / "sources", fmi)
     libraries(files, platforms, identifier, into / "binaries", fmi)
-    given = (part, identifier, guid, version, variables, alike, [file.name for file in files])
-    texts = _as_fmi3(*given, icon) if fmi == 3 else _as_fmi2(*given)
+    named = [file.name for file in files]
+    given = (part, identifier, guid, version, variables)
+    if fmi == 3:
+        texts = {
+            "modelDescription.xml": fmi3_description.model_description(*given, sources=alike),
+            "sources/buildDescription.xml": _build_description(identifier, named),
+            f"{TERMINALS}/{TERMINALS}.xml": terminals_and_icons(variables, icon=icon),
+        }
+    else:
+        root = model_description(*given, sources=alike, native=True)
+        _list_sources(root, named)
+        texts = {"modelDescription.xml": root}
     path = into / f"{identifier}.fmu"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, root in texts.items():
@@ -78,47 +89,20 @@ def packed(
     return path
 
 
-def _as_fmi2(
-    part: Part,
-    identifier: str,
-    guid: str,
-    version: str,
-    variables: list[Variable],
-    alike: str,
-    files: list[str],
-) -> dict[str, Element]:
-    """The XML files of an FMU of FMI 2.0, which names its sources in the modelDescription."""
-    root = model_description(part, identifier, guid, version, variables, sources=alike, native=True)
+def _list_sources(root: Element, files: list[str]) -> None:
+    """Name the files to be compiled as FMI 2.0 does, in the modelDescription."""
     slave = root.find("CoSimulation")
     assert slave is not None
     listed = SubElement(slave, "SourceFiles")
     for file in files:
         SubElement(listed, "File", name=file)
-    return {"modelDescription.xml": root}
 
 
-def _as_fmi3(
-    part: Part,
-    identifier: str,
-    guid: str,
-    version: str,
-    variables: list[Variable],
-    alike: str,
-    files: list[str],
-    icon: bool,
-) -> dict[str, Element]:
-    """The XML files of an FMU of FMI 3.0: description, terminals, and how it is compiled."""
-    root = fmi3_description.model_description(
-        part, identifier, guid, version, variables, sources=alike
-    )
+def _build_description(identifier: str, files: list[str]) -> Element:
+    """The files to be compiled as FMI 3.0 names them, in a file of its own."""
     build = Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = SubElement(build, "BuildConfiguration", modelIdentifier=identifier)
     listed = SubElement(configuration, "SourceFileSet", language="C99")
     for file in files:
         SubElement(listed, "SourceFile", name=file)
-    icons = terminals_and_icons(part, variables, icon=icon)
-    return {
-        "modelDescription.xml": root,
-        "sources/buildDescription.xml": build,
-        f"{FOLDER}/{FOLDER}.xml": icons,
-    }
+    return build

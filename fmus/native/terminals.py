@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement
 
-from ..part import Part, Variable
+from ..part import Variable
 
-FOLDER = "terminalsAndIcons"
-ICON = "icon"
 SIDE = 100.0
 """Width and height of the icon's coordinates, as of the drawing itself."""
 MARK = 4.0
 """Half the width of a terminal's mark."""
 
 
-def terminals_and_icons(part: Part, variables: list[Variable], *, icon: bool) -> Element:
+def terminals_and_icons(variables: list[Variable], *, icon: bool) -> Element:
     """XML tree: one terminal for each port, with the member's name as its role.
 
     A port's members are plain signals; two terminals fit where their members have the same names

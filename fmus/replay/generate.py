@@ -17,6 +17,7 @@ from typing import Any, Literal
 
 from numpy.typing import NDArray
 
+from ..generated import literal
 from ..units import exponents
 
 How = Literal["column", "slope", "curvature", "square", "time", "event"]
@@ -167,19 +168,13 @@ def _places(outputs: Sequence[ReplayedOutput]) -> list[str]:
     return lines
 
 
-def _literal(text: str) -> str:
-    """A text as Python source has it."""
-    plain = text.isascii() and text.isprintable() and not set(text) & {'"', "\\"}
-    return f'"{text}"' if plain else repr(text)
-
-
 def _declared(field: str, output: ReplayedOutput) -> list[str]:
     return [
         f"    {field}: float = provided(",
-        f"        {_literal(output.unit)},",
-        f"        {_literal(output.meaning)},",
-        f"        name={_literal(output.name)},",
-        f"        port={_literal(output.port)},",
+        f"        {literal(output.unit)},",
+        f"        {literal(output.meaning)},",
+        f"        name={literal(output.name)},",
+        f"        port={literal(output.port)},",
         f"        order={int(output.order)},",
         "    )",
     ]

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..generated import literal
 from ..units import exponents
 
 NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
@@ -266,10 +267,10 @@ def source(given: Relation) -> str:
         lines += [
             f"    {column.field}: float = received(",
             f"        {start!r},",
-            f"        {_literal(column.unit)},",
+            f"        {literal(column.unit)},",
             '        "Argument of the table",',
-            f"        port={_literal(column.port)},",
-            f"        name={_literal(column.name)},",
+            f"        port={literal(column.port)},",
+            f"        name={literal(column.name)},",
             "    )",
         ]
     lines += [
@@ -283,12 +284,12 @@ def source(given: Relation) -> str:
     for member in outputs:
         lines += [
             f"    {member.column.field}: float = provided(",
-            f"        {_literal(member.column.unit)},",
-            f"        {_literal(member.meaning)},",
-            f"        port={_literal(member.column.port)},",
+            f"        {literal(member.column.unit)},",
+            f"        {literal(member.meaning)},",
+            f"        port={literal(member.column.port)},",
             f"        order={member.order},",
-            f"        depends=({', '.join(map(_literal, depends))},),",
-            f"        name={_literal(member.column.name)},",
+            f"        depends=({', '.join(map(literal, depends))},),",
+            f"        name={literal(member.column.name)},",
             "    )",
         ]
     lines += [
@@ -301,9 +302,9 @@ def source(given: Relation) -> str:
         words = f"{column.name} is outside of the table, {knots[0]:g} to {knots[-1]:g}"
         words = f"{words} {column.unit}".rstrip() + ": outside = hold or extend"
         lines.append(f"    if outside(u.{column.field}, {low}, {high}):")
-        raised = f"        raise ValueError({_literal(words)})"
+        raised = f"        raise ValueError({literal(words)})"
         if len(raised) > WIDTH:
-            raised = f"        raise ValueError(\n            {_literal(words)}\n        )"
+            raised = f"        raise ValueError(\n            {literal(words)}\n        )"
         lines.append(raised)
     lines += [
         "    return True",
@@ -318,9 +319,3 @@ def source(given: Relation) -> str:
         "",
     ]
     return "\n".join(lines)
-
-
-def _literal(text: str) -> str:
-    """A text as Python source has it."""
-    plain = text.isascii() and text.isprintable() and not set(text) & {'"', "\\"}
-    return f'"{text}"' if plain else repr(text)

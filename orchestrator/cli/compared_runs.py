@@ -12,6 +12,8 @@ from ..results.recorded import Recorded
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from ..results.comparison import Difference
+    from ..studies.sweep.comparison import MetricDifference
 
 MOST_SETTINGS = 20
 """Settings that a table shows."""
@@ -88,6 +90,17 @@ def remarks(runs: Mapping[str, Recorded]) -> Iterator[str]:
         yield from (f"{name}: dropped: {text}" for text in run.notes.dropped)
 
 
+def difference_facts(each: Difference | MetricDifference) -> dict[str, Any]:
+    """The difference of a variable between runs, or of a metric between sweeps, for scripts."""
+    return {
+        "unit": each.unit,
+        "largest": each.largest,
+        "at": each.at,
+        "rms": each.rms,
+        "relative": each.relative,
+    }
+
+
 def facts(found: Comparison) -> dict[str, Any]:
     """The comparison as data for scripts: values in SI."""
     return {
@@ -102,16 +115,7 @@ def facts(found: Comparison) -> dict[str, Any]:
             }
             for pair in found.metrics
         },
-        "differences": {
-            each.name: {
-                "unit": each.unit,
-                "largest": each.largest,
-                "at": each.at,
-                "rms": each.rms,
-                "relative": each.relative,
-            }
-            for each in found.differences
-        },
+        "differences": {each.name: difference_facts(each) for each in found.differences},
         "texts": {
             text.name: {"apart": text.apart, "first": text.first, "then": [text.ours, text.theirs]}
             for text in found.texts

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import printable
 from ..studies.sweep.comparison import MetricDifference, SweepComparison
+from .compared_runs import difference_facts
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -62,14 +63,7 @@ def facts(found: SweepComparison) -> dict[str, Any]:
         },
         "alone": found.alone,
         "differences": {
-            each.name: {
-                "unit": each.unit,
-                "largest": each.largest,
-                "at": each.at,
-                "rms": each.rms,
-                "relative": each.relative,
-                "points": each.points,
-            }
+            each.name: {**difference_facts(each), "points": each.points}
             for each in found.differences
         },
     }

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import ctypes
 from abc import abstractmethod
+from collections.abc import Callable
 from math import inf
 from typing import Any
 
@@ -65,7 +66,8 @@ class Integrated(InProcessInstance):
         self._solver: Any = None
         self._begin = self._time = 0.0
         self.events = 0
-        self._first = self._rates = np.zeros(0)
+        self._first = self._rates = self._level = np.zeros(0)
+        self._put: Callable[[], int] | None = None
         super().__init__(*arguments)
         self._restart = Restart(self) if self.interface.restarts else None
         self._solver_class = self._cvode()
@@ -106,9 +108,13 @@ class Integrated(InProcessInstance):
 
     def _rise(self, time: float) -> None:
         """Set the inputs that rise to what they are at a time [s]."""
-        kind = "Real" if self.PREFIX == "fmi2" else "Float64"
-        values = self._first + self._rates * (time - self._begin)
-        status = self._bind("Set", kind, list(self._rising_references), values)()
+        if self._put is None:
+            kind = "Real" if self.PREFIX == "fmi2" else "Float64"
+            self._level = np.zeros(len(self._rising))
+            self._put = self._bind("Set", kind, list(self._rising_references), self._level)
+        np.multiply(self._rates, time - self._begin, out=self._level)
+        self._level += self._first
+        status = self._put()
         self._worst = max(self._worst, status if status > 1 else 0)
 
     def stepped(self, time: float, size: float) -> int:
